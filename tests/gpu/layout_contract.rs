@@ -403,6 +403,7 @@ fn mirrored_constants() -> Vec<Constant> {
         "techniques/occlusion_texture/resolve.wgsl",
         &[
             ("SMOOTHED", f64::from(occlusion_textures::SMOOTHED)),
+            ("DENSE_LEVEL", f64::from(occlusion_textures::DENSE_LEVEL)),
             ("N_BUFFERS", f64::from(SliceFilter::NBuffers as u32)),
             ("MIPMAPS", f64::from(SliceFilter::Mipmaps as u32)),
             ("SUMMED_AREAS", f64::from(SliceFilter::SummedAreas as u32)),

@@ -9,10 +9,14 @@
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
 @group(3) @binding(1) var between_texels: sampler;
-// For OVERLAP alone, else the pictures again: what each slice and all slices before it cover together, and depths of casters below
-// the top of their slice, in thicknesses of the slice.
+// For OVERLAP alone, else the pictures again: what each slice and all slices before it cover together; and 2 less the depth of
+// casters below the top of their slice, in thicknesses of the slice, where there are casters.
 @group(3) @binding(2) var unions: texture_2d_array<f32>;
 @group(3) @binding(3) var depths: texture_2d_array<f32>;
+// The sparse levels of N-buffers of all three; for other filters the pictures again.
+@group(3) @binding(4) var sparse_pictures: texture_2d_array<f32>;
+@group(3) @binding(5) var sparse_unions: texture_2d_array<f32>;
+@group(3) @binding(6) var sparse_depths: texture_2d_array<f32>;
 
 override SLICES: u32 = 1u;
 override FACES: u32 = 1u;
@@ -72,22 +76,58 @@ fn share_inside(kernel: Kernel) -> f32 {
     return max(left.x, 0.0) * max(left.y, 0.0);
 }
 
-fn n_buffer_level(picture: Picture, place: vec2f, level: u32) -> vec2f {
-    let all = u32(log2(light.limits.z) + 0.5) + 1u;
-    let layer = (picture.face * all + level) * group_count() + picture.group;
-    // The square around the place begins half its side before it.
-    let corner = place + 0.5 - 0.5 * f32(1u << level);
+// Highest level of N-buffers that has a value at every texel. Each level above has half as many along a side as the one below.
+const DENSE_LEVEL: u32 = 3u;        // mirror: techniques::occlusion_texture::filter::DENSE_LEVEL
+
+// A value between those of a dense level. Levels are layers.
+fn dense_texel(picture: Picture, place: vec2f, level: u32) -> vec4f {
+    let layer = (picture.face * (DENSE_LEVEL + 1u) + level) * group_count() + picture.group;
     switch picture.shows {
         case UNIONS: {
-            return picked(textureSampleLevel(unions, between_texels, corner * texel(), layer, 0.0), picture);
+            return textureSampleLevel(unions, between_texels, place, layer, 0.0);
         }
         case DEPTHS: {
-            return picked(textureSampleLevel(depths, between_texels, corner * texel(), layer, 0.0), picture);
+            return textureSampleLevel(depths, between_texels, place, layer, 0.0);
         }
         default: {
-            return picked(textureSampleLevel(pictures, between_texels, corner * texel(), layer, 0.0), picture);
+            return textureSampleLevel(pictures, between_texels, place, layer, 0.0);
         }
     }
+}
+
+// A value between those of a sparse level. Levels are mips.
+fn sparse_texel(picture: Picture, place: vec2f, level: u32) -> vec4f {
+    let layer = picture.face * group_count() + picture.group;
+    let mip = f32(level - DENSE_LEVEL - 1u);
+    switch picture.shows {
+        case UNIONS: {
+            return textureSampleLevel(sparse_unions, between_texels, place, layer, mip);
+        }
+        case DEPTHS: {
+            return textureSampleLevel(sparse_depths, between_texels, place, layer, mip);
+        }
+        default: {
+            return textureSampleLevel(sparse_pictures, between_texels, place, layer, mip);
+        }
+    }
+}
+
+// Means over the square of a level of N-buffers around a place, in texels of the picture.
+fn square_mean(picture: Picture, place: vec2f, level: u32) -> vec2f {
+    let apart = f32(1u << (max(level, DENSE_LEVEL) - DENSE_LEVEL));
+    // The square around the place begins half its side before it. The first texel, whose middle is half of `apart` from the
+    // border, holds the mean of the square that begins at the border.
+    let corner = place - 0.5 * f32(1u << level);
+    let middle = (corner + 0.5 * apart) * texel();
+    // The last value is followed by those of squares outside the picture, which are 0.
+    let inside = clamp((light.limits.z - corner) / apart, vec2f(0.0), vec2f(1.0));
+    var mean = vec4f(0.0);
+    if level > DENSE_LEVEL {
+        mean = sparse_texel(picture, middle, level);
+    } else {
+        mean = dense_texel(picture, middle, level);
+    }
+    return picked(mean, picture) * inside.x * inside.y;
 }
 
 fn n_buffer_mean(picture: Picture, kernel: Kernel) -> vec2f {
@@ -105,8 +145,8 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> vec2f {
     var sum = vec2f(0.0);
     for (var tap = 0.0; tap < taps; tap += 1.0) {
         let place = center + along * (((tap + 0.5) / taps - 0.5) * spread);
-        let fine = n_buffer_level(picture, place, level);
-        let coarse = n_buffer_level(picture, place, min(level + 1u, last));
+        let fine = square_mean(picture, place, level);
+        let coarse = square_mean(picture, place, min(level + 1u, last));
         // Squares cannot begin before the picture. The larger one fades out where it would, since it would find casters
         // beyond the kernel instead of the empty border.
         let start = clamp(place / (0.5 * f32(1u << level)) - 1.0, vec2f(0.0), vec2f(1.0));
@@ -198,6 +238,11 @@ fn mean_over(picture: Picture, kernel: Kernel) -> vec2f {
     return n_buffer_mean(picture, part) * narrowed_share(kernel);
 }
 
+// Mean depth of a slice's casters below its top, in thicknesses of the slice. They cover a share of the kernel.
+fn mean_depth(shown: Picture, kernel: Kernel, cover: f32) -> f32 {
+    return clamp(2.0 - mean_over(shown, kernel).x / cover, 0.0, 1.0);
+}
+
 // Adds one more slice to the hidden share that the slices before it left. Unions are looked up only where they matter.
 fn add_measured(hidden: f32, weight: f32, own: f32, picture: Picture, kernel: Kernel) -> f32 {
     if hidden <= 0.0 || weight <= 0.0 {
@@ -260,7 +305,7 @@ fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         if cover <= 0.0 {
             continue;
         }
-        at.plane = mix(top, bottom, clamp(mean_over(shown, around).x / cover, 0.0, 1.0));
+        at.plane = mix(top, bottom, mean_depth(shown, around, cover));
         if at.plane >= receiver.z {
             continue;
         }
@@ -276,7 +321,7 @@ fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         var weight = 1.0;
         let thickness = bottom - top;
         if receiver.z < bottom + WHOLE * thickness {
-            let inside = mix(top, bottom, clamp(mean_over(shown, kernel).x / own, 0.0, 1.0));
+            let inside = mix(top, bottom, mean_depth(shown, kernel, own));
             weight = slice_weight(inside + BEGINS * thickness, (WHOLE - BEGINS) * thickness, receiver.z);
         }
         hidden = add_measured(hidden, weight, own, covered, kernel);

@@ -24,18 +24,12 @@ use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureW
 /// Least resolution that a shortage of memory leaves, texels.
 const LEAST: u32 = 32;
 
-/// Layers of a texture array that every device has. Source: the WebGPU specification, `maxTextureArrayLayers`.
-pub const MOST_LAYERS: u32 = 256;
-
 /// The occlusion textures of this frame. Written by the systems `ask_for_slices` and `build_slices`.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct OcclusionTextures {
     /// All lights with occlusion textures, ascending by light. They include lights out of view, because their pictures are
     /// kept.
     pub lights: Vec<LightSlices>,
-    /// Lights that have coarser pictures than asked for, because six pictures of them do not fit into one texture, with
-    /// their resolution.
-    pub coarser: Vec<(Entity, u32)>,
     previous: Vec<LightSlices>,
     exchanged: FixedBitSet,
     scratch: Scratch,
@@ -71,7 +65,6 @@ pub fn ask_for_slices(
     let textures = &mut *textures;
     std::mem::swap(&mut textures.lights, &mut textures.previous);
     textures.lights.clear();
-    textures.coarser.clear();
     textures.exchanged.clear();
     textures.exchanged.grow(objects.len());
     for object in exchanged.iter().filter_map(|entity| objects.index_of(entity)) {
@@ -117,14 +110,10 @@ pub fn ask_for_slices(
             textures.revision += 1;
             slices.revision = textures.revision;
         }
-        let resolution = slices.largest(MOST_LAYERS);
-        if resolution < settings.resolution {
-            textures.coarser.push((light.entity, resolution));
-        }
         let want = TextureWant {
             bytes_per_square: slices.bytes_per_square(),
-            resolution,
-            least: LEAST.min(resolution),
+            resolution: settings.resolution,
+            least: LEAST.min(settings.resolution),
             storage: Storage::OwnElseNothing,
         };
         memory.ask(index, OcclusionTexture::NAME, want);

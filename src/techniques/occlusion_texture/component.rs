@@ -84,9 +84,9 @@ pub struct OcclusionTexture {
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SliceFilter {
-    /// Level `l` holds, at each texel, the mean over the 2^l × 2^l texels from there on. A lookup blends two levels. Smooth
-    /// and still while casters move; takes 8 bytes for each texel, level and four slices, and
-    /// three times as many with [`SliceCombination::Overlap`]. This is the default.
+    /// Level `l` holds means over squares of 2^l × 2^l texels. Up to level 3 such a square begins at each texel; above, squares
+    /// begin an eighth of their side apart. A lookup blends two levels. Smooth and still while casters move; takes 35 bytes for
+    /// each texel and four slices, and three times as many with [`SliceCombination::Overlap`]. This is the default.
     #[default]
     NBuffers,
     /// Level `l` holds the mean over each aligned block of 2^l × 2^l texels. Takes the least memory. Shadows are blurred
@@ -94,7 +94,7 @@ pub enum SliceFilter {
     /// lights; others blur them equally in both directions.
     Mipmaps,
     /// Each texel holds the sum over all texels above and to the left of it, in 32 bits. The mean over any rectangle is exact.
-    /// Takes 40 bytes for each texel and four slices, 96 with [`SliceCombination::Overlap`], and 16 loads in each lookup.
+    /// Takes 40 bytes for each texel and four slices, 88 with [`SliceCombination::Overlap`], and 16 loads in each lookup.
     SummedAreas,
 }
 
@@ -124,7 +124,7 @@ pub enum SliceCombination {
     /// one surface add up, casters behind each other count once, and casters that have nothing to do with each other multiply.
     /// Depths of casters are measured too: shadows begin closer behind their caster than with the other combinations, which let
     /// casters cast from the middle of their slice, and they do not jump where a caster moves from slice to slice. Takes three
-    /// times the memory, four times the time to filter pictures, and up to six times the lookups where there are casters. This
+    /// times the memory, somewhat more than three times the time to filter pictures, and up to six times the lookups where there are casters. This
     /// is the default, and the closest to the truth.
     #[default]
     Overlap,

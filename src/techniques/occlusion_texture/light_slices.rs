@@ -8,7 +8,7 @@ use super::casters::{FrameObjects, Scratch};
 use super::coarse::Coarse;
 use super::component::{OcclusionTexture, SliceFilter};
 use super::face::{SliceFace, Slices};
-use super::filter::{MOST_TAPS, level_count, reached_levels, tap_count};
+use super::filter::{DENSE_LEVEL, MOST_TAPS, level_count, reached_levels, tap_count};
 use super::fit::{SliceFaces, SliceSettings, fit_faces};
 use super::records::{OcclusionFace, OcclusionLight};
 use super::sliced_light::{SlicedKind, SlicedLight};
@@ -186,29 +186,13 @@ impl LightSlices {
     pub fn bytes_per_square(&self) -> u64 {
         let groups = self.faces.len() as u64 * u64::from(self.settings.groups());
         let (one, shared) = match self.settings.filter {
-            SliceFilter::NBuffers => (8 * u64::from(level_count(self.settings.resolution)), 0),
-            SliceFilter::Mipmaps => (11, 0), // 8 and a third, rounded up
+            // The levels above the dense ones take a third of 8, rounded up.
+            SliceFilter::NBuffers => (8 * u64::from(DENSE_LEVEL + 1) + 3, 0),
+            SliceFilter::Mipmaps => (8 + 3, 0),
             SliceFilter::SummedAreas => (24, 16),
         };
-        // Depths are drawn, and split into three sets of pictures.
-        let (drawn, sets) = if self.settings.measures() { (8, 3) } else { (0, 1) };
-        groups * (drawn + sets * one + shared)
-    }
-
-    /// Largest resolution at which the pictures fit into the layers of one texture.
-    pub fn largest(&self, most_layers: u32) -> u32 {
-        let mut resolution = self.settings.resolution;
-        let layers = |resolution| {
-            let levels = match self.settings.filter {
-                SliceFilter::NBuffers => level_count(resolution),
-                SliceFilter::Mipmaps | SliceFilter::SummedAreas => 1,
-            };
-            self.faces.len() as u32 * self.settings.groups() * levels
-        };
-        while resolution > 1 && layers(resolution) > most_layers {
-            resolution /= 2;
-        }
-        resolution
+        let sets = if self.settings.measures() { 3 } else { 1 };
+        groups * (sets * one + shared)
     }
 
     /// Returns the record of the light for the GPU. `depths` are the nearest and farthest depth that it reaches.

@@ -33,11 +33,11 @@
 //! **Slices.** Slices are cut evenly, or by [`OcclusionTexture::weight`], between the nearest and the farthest point of the
 //! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice.
 //!
-//! **Depths and overlaps.** Beyond the paper, pictures hold the depth of the nearest caster in each slice. They are split into
-//! three sets: what each slice covers, depths, and what each slice and all slices before it cover together. A pixel looks up
+//! **Depths and overlaps.** Beyond the paper, pictures hold the depth of the nearest caster in each slice. Two more
+//! sets of pictures are made from them: what each slice covers, and what each slice and all slices before it cover together. A pixel looks up
 //! the mean depth of a slice's casters around its kernel, and takes them to be there. Their shadow fades in with the distance
 //! behind those that the kernel shows, from 0.15 to 0.75 thicknesses of the slice, also within one slice; closer to their
-//! caster shadows are lost, and more slices bring them closer. The third set tells how much of a slice lies behind casters of
+//! caster shadows are lost, and more slices bring them closer. The last set tells how much of a slice lies behind casters of
 //! the slices before it; see [`SliceCombination::Overlap`].
 //!
 //! The paper's combinations know neither. With them, the slice that holds a receiver does not shadow it, and the slice before
@@ -53,15 +53,17 @@
 //! may lie outside of it. Casters are measured along their own axes as well as those of the world, so a turned scene has
 //! slices as thin as a straight one.
 //!
-//! **Memory and cost.** With N-buffers, 8 bytes for each texel, level and four slices, and three times as many for overlaps;
-//! see [`SliceFilter`]. A light of 8 slices of 256² texels takes 29 MB, and 9.4 MB by the product. With 1024² texels overlaps
-//! do not fit into the 256 MB that all techniques share by default, and such a light gets 512². Pictures are kept while
-//! nothing changes. Drawing is one pass over the casters for up to 16 slices. A pixel costs two lookups for each slice between itself
-//! and the light by the paper's combinations, and up to twelve for each slice with casters around the kernel by the overlap,
-//! whatever the size of the light. N-buffers take four loads of 8 bytes for each texel and level, and levels that no kernel
-//! reaches are not built. At 1024² texels that is at most 40 loads; summed areas take 64 of 16 bytes. On a software driver they
-//! take 1.5 to 1.9 times as long to build. `cargo test --all-features --test gpu occlusion_texture::cost::building -- --ignored
-//! --nocapture` prints both times.
+//! **Memory and cost.** With N-buffers, 35 bytes for each texel and four slices, and three times as many for overlaps; see
+//! [`SliceFilter`]. A light of 8 slices of 256² texels takes 13.8 MB, and 4.6 MB by the product. With 1024² texels overlaps take
+//! 220 MB of the 256 MB that all techniques share by default. Pictures are kept while nothing changes. Drawing is one pass over
+//! the casters for up to 16 slices. A pixel costs two lookups for each slice between itself and the light by the paper's
+//! combinations, and up to twelve for each slice with casters around the kernel by the overlap, whatever the size of the light.
+//!
+//! **N-buffers.** The paper keeps the mean over the square at every texel, for all sizes of squares. Here squares above level 3
+//! begin an eighth of their side apart, each level has a quarter as many values as the level below, and lookups interpolate. That
+//! takes 14 loads for each texel at most, where 1024² values in each of ten levels take 40. Summed areas take 64 loads of 16
+//! bytes. On a software driver summed areas take 4 to 5 times as long to build. `cargo test --all-features --test gpu
+//! occlusion_texture::cost::building -- --ignored --nocapture` prints both times. Levels that no kernel reaches are not built.
 //!
 //! **Closed casters.** Beyond the paper, casters whose mesh is closed are drawn with their fronts alone, as seen from the
 //! light. Front and back of a box would otherwise hide the same rays in two slices, and count twice.
@@ -81,10 +83,10 @@
 //! | scene | overlap | product | maximum | sum | overlap, leaks closed | product, leaks closed |
 //! | --- | --- | --- | --- | --- | --- | --- |
 //! | a plate | 0.012 | 0.012 | 0.012 | 0.012 | 0.012 | 0.056 |
-//! | boxes over each other | 0.033 | 0.037 | 0.061 | 0.045 | 0.038 | 0.112 |
-//! | a tree of 160 leaves | 0.127 | 0.127 | 0.193 | 0.158 | 0.131 | 0.179 |
-//! | two slanted wings | 0.018 | 0.092 | 0.196 | 0.018 | 0.017 | 0.056 |
-//! | balls over hills | 0.021 | 0.026 | 0.033 | 0.021 | 0.014 | 0.049 |
+//! | boxes over each other | 0.033 | 0.036 | 0.061 | 0.044 | 0.037 | 0.111 |
+//! | a tree of 160 leaves | 0.170 | 0.172 | 0.228 | 0.204 | 0.172 | 0.214 |
+//! | two slanted wings | 0.019 | 0.092 | 0.196 | 0.018 | 0.017 | 0.056 |
+//! | balls over hills | 0.022 | 0.027 | 0.033 | 0.022 | 0.015 | 0.049 |
 //!
 //! The sum is the best of the paper's combinations where one surface passes through the slices, the product where many objects
 //! overlap, and the maximum nowhere. Measured overlaps are as good as the best of them everywhere. Summed areas take 0.008 off

@@ -67,28 +67,19 @@ impl Technique for OcclusionTexture {
     fn report(world: &World, round: &mut Round) {
         let lights = world.resource::<FrameLights>();
         let textures = world.resource::<OcclusionTextures>();
-        for (entity, resolution) in &textures.coarser {
-            round.raise(Some(*entity), 1, || {
-                format!(
-                    "The light's shadow is poorer than asked for: six pictures around it fit into one texture at resolution \
-                     {resolution} at most. Ask for fewer slices or a lower resolution, or move all casters to one side of the \
-                     light."
-                )
-            });
-        }
         for slices in textures.lights.iter().filter(|slices| slices.is_active) {
             let light = &lights.lights[slices.light];
             let casts = slices.faces.iter().any(|face| face.slices.top < 1e29);
             // Casters of S that are none of the pictures', like a flat ground, shadow nothing anyway.
             if !casts && !light.sets.s.is_disjoint(&slices.casters) {
-                round.raise(Some(slices.entity), 2, || {
+                round.raise(Some(slices.entity), 1, || {
                     "The light has no shadow: all casters lie behind it or in its plane. Move or turn the light.".to_owned()
                 });
             }
             if let Some(coarse) = slices.coarse {
                 round.state(
                     Some(slices.entity),
-                    3,
+                    2,
                     format_args!(
                         "The light's shadows are coarse: its slices are {:.1} m thick and its texels up to {:.2} m wide, too \
                          much for {} of {} casters. Give the light a range, or let large surroundings cast no shadows.",

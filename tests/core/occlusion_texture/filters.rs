@@ -1,8 +1,8 @@
 //! Means over rectangles by the three filters.
 
 use antumbra::insides::occlusion_textures::{
-    Kernel, Picture, level_count, mipmap_mean, mipmaps, n_buffer_mean, n_buffers, reached_levels,
-    summed_areas, summed_mean, tap_count,
+    DENSE_LEVEL, Kernel, Picture, level_count, mipmap_mean, mipmaps, n_buffer_mean, n_buffers,
+    reached_levels, spacing, square_mean, summed_areas, summed_mean, tap_count,
 };
 use glam::{IVec2, Vec2};
 
@@ -147,4 +147,96 @@ fn kernels_at_a_border_find_nothing_beyond_themselves() {
         }
     }
     assert_eq!(mean(Vec2::splat(0.5)), 1.0);
+}
+
+/// The exact mean over the square of a level around a place, in texels.
+fn exact_mean(sums: &Picture, level: usize, place: Vec2) -> f32 {
+    let side = sums.side as f32;
+    let half = 0.5 * (1u32 << level) as f32;
+    summed_mean(
+        sums,
+        &Kernel {
+            center: place / side,
+            half: Vec2::splat(half / side),
+        },
+    )
+}
+
+/// Each value of each level is the mean over the square that begins at its texel. What is outside the picture is empty.
+#[test]
+fn every_value_of_n_buffers_is_the_mean_over_its_square() {
+    let picture = picture(64, 5);
+    let (levels, sums) = (n_buffers(picture.clone()), summed_areas(picture));
+    assert_eq!(levels.len(), 7);
+    for (level, values) in levels.iter().enumerate() {
+        let apart = spacing(level as u32) as usize;
+        assert_eq!(values.side * apart, 64, "level {level}");
+        for (index, value) in values.texels.iter().enumerate() {
+            let corner = Vec2::new((index % values.side) as f32, (index / values.side) as f32) * apart as f32;
+            let exact = exact_mean(&sums, level, corner + 0.5 * (1u32 << level) as f32);
+            assert!(
+                (value - exact).abs() < 1e-5,
+                "level {level}, {corner}: {value}, not {exact}"
+            );
+        }
+    }
+}
+
+/// Lookups between the values of sparse levels are near the exact means. The same bounds find lookups that are off by half of
+/// the distance between two values, and lookups in the next level.
+#[test]
+fn sparse_levels_are_interpolated_to_means_over_squares_around_any_place() {
+    let mut random = Random::new(11);
+    let pictures = [3, 7, 12].map(|seed| picture(256, seed));
+    let looked_up = pictures.map(|picture| (n_buffers(picture.clone()), summed_areas(picture)));
+    println!("level    sparse  half a value off  next level: root mean square and largest errors");
+    for level in DENSE_LEVEL as usize + 1..7 {
+        let half_value = 0.5 * spacing(level as u32) as f32;
+        // Squares of the next level must begin inside, too.
+        let room = (1 << level) as f32;
+        let places: Vec<Vec2> = (0..500)
+            .map(|_| room + Vec2::new(random.unit(), random.unit()) * (256.0 - 2.0 * room))
+            .collect();
+        let error = |shift: f32, level_of_lookup: usize| {
+            let of = |(levels, sums): &(Vec<Picture>, Picture)| {
+                let off = |place: &Vec2| {
+                    square_mean(levels, level_of_lookup, place + shift) - exact_mean(sums, level, *place)
+                };
+                places.iter().map(off).collect::<Vec<f32>>()
+            };
+            let errors: Vec<f32> = looked_up.iter().flat_map(of).collect();
+            let largest = errors
+                .iter()
+                .fold(0.0, |largest: f32, error| largest.max(error.abs()));
+            (root_mean_square(errors.into_iter()), largest)
+        };
+        let (right, shifted, next) = (error(0.0, level), error(half_value, level), error(0.0, level + 1));
+        println!("{level:>5} {right:.4?} {shifted:.4?} {next:.4?}");
+        let is_near = |(mean, largest): (f32, f32)| mean < 0.006 && largest < 0.03;
+        assert!(is_near(right), "level {level}: {right:?}");
+        assert!(
+            !is_near(shifted) && !is_near(next),
+            "level {level}: {shifted:?}, {next:?}"
+        );
+    }
+}
+
+/// Where squares leave a full picture, means fall evenly to 0 at all levels.
+#[test]
+fn squares_beyond_the_last_value_are_empty() {
+    let picture = Picture::from_fn(64, |_| 1.0);
+    let levels = n_buffers(picture);
+    for level in 0..levels.len() {
+        let side = (1u32 << level) as f32;
+        for step in 0..=40 {
+            let corner = 60.0 + 0.125 * step as f32;
+            let place = Vec2::new(corner + 0.5 * side, 0.5 * side);
+            let expected = ((64.0 - corner) / side).clamp(0.0, 1.0);
+            let got = square_mean(&levels, level, place);
+            assert!(
+                (got - expected).abs() < 1e-5,
+                "level {level}, {corner}: {got}, not {expected}"
+            );
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! The GPU draws, filters, looks up and combines as the CPU twins do.
 
 use antumbra::insides::occlusion_textures::{
-    Kernel, LightSlices, Lookup, OcclusionFace, OcclusionLight, Picture, Shares, SliceFace, WIDER,
-    add_overlapping, combine, measured_plane, measured_weight, mipmap_mean, mipmaps, n_buffer_mean,
+    DENSE_LEVEL, Kernel, LightSlices, Lookup, OcclusionFace, OcclusionLight, Picture, Shares, SliceFace,
+    WIDER, add_overlapping, combine, measured_plane, measured_weight, mipmap_mean, mipmaps, n_buffer_mean,
     n_buffers, over_own_plane, slice_bottom, slice_kernel, slice_plane, slice_weight, summed_areas,
     summed_mean,
 };
@@ -12,7 +12,7 @@ use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceCombination
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::cast::{Filtered, cast_pictures};
-use super::scenes::{BETWEEN, Scene, boxes, hits, lamp, rendered, staged};
+use super::scenes::{BETWEEN, Scene, boxes, hits, lamp, rendered, square, staged};
 use crate::harness::strict_context;
 
 /// The receiver and the picture in which it is looked up.
@@ -57,7 +57,7 @@ impl Seen<'_> {
         if cover <= 0.0 {
             return hidden;
         }
-        let plane = measured_plane(top, bottom, self.mean(2, slice, &around) / cover);
+        let plane = measured_plane(top, bottom, 2.0 - self.mean(2, slice, &around) / cover);
         if plane >= depth {
             return hidden;
         }
@@ -72,7 +72,7 @@ impl Seen<'_> {
         if own <= 0.0 {
             return hidden;
         }
-        let inside = measured_plane(top, bottom, self.mean(2, slice, &kernel) / own);
+        let inside = measured_plane(top, bottom, 2.0 - self.mean(2, slice, &kernel) / own);
         let weight = measured_weight(inside, bottom - top, depth);
         let above = slice
             .checked_sub(1)
@@ -149,6 +149,9 @@ fn difference(
     let world = &stage.world;
     let slices = &world.resource::<OcclusionTextures>().lights[0];
     let frame_light = &world.resource::<FrameLights>().lights[0];
+    // Kernels of these lights are looked up in sparse levels.
+    let is_large = kind == LONG || kind == square(2.0);
+    assert!(!is_large || slices.levels() > DENSE_LEVEL + 1);
     let mut record = slices.record(frame_light, DVec3::ZERO, (1.0, 0.0));
     spoil(&mut record);
     let side = slices.resolution as usize;
@@ -198,6 +201,7 @@ fn pictures_are_filtered_and_looked_up_as_the_twins_do() {
     let above = Vec3::new(0.2, 3.0, 0.1);
     let cases = [
         (LONG, above, SliceFilter::NBuffers),
+        (square(2.0), above, SliceFilter::NBuffers),
         (LONG, above, SliceFilter::SummedAreas),
         (LightKind::Sphere { radius: 0.4 }, above, SliceFilter::Mipmaps),
         (LightKind::Directional, above, SliceFilter::NBuffers),
@@ -230,6 +234,15 @@ fn the_comparison_with_the_twins_finds_a_wrong_kernel_and_a_wrong_combination() 
         (LONG, above),
         settings(SliceFilter::SummedAreas),
         |light| light.kernel[0] *= 0.8,
+    );
+    assert!(mean > 4e-3, "{mean}");
+    // Two texels are half of the distance between the values of level 5.
+    let (_, mean, _) = difference(
+        &context,
+        &boxes(),
+        (LONG, above),
+        settings(SliceFilter::NBuffers),
+        |light| light.faces[0].projection[2] += 2.0 * 2.0 / 64.0,
     );
     assert!(mean > 4e-3, "{mean}");
     for combine in [

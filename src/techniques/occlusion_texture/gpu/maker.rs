@@ -6,7 +6,7 @@ use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::techniques::maps::gpu::recorded::FaceRecord;
 use crate::techniques::occlusion_texture::component::SliceFilter;
-use crate::techniques::occlusion_texture::filter::level_count;
+use crate::techniques::occlusion_texture::filter::{DENSE_LEVEL, level_count};
 
 /// Makes the textures of a light.
 pub(super) struct Maker<'a> {
@@ -15,22 +15,38 @@ pub(super) struct Maker<'a> {
     pub key: TexturesKey,
 }
 
+/// The first level of one picture.
+struct FirstLevel {
+    /// Its layers, to be written.
+    layers: Vec<wgpu::TextureView>,
+    /// Its layers, to be read.
+    below: wgpu::BindGroup,
+}
+
 /// One set of pictures and the passes that filter it.
 struct Filtered {
-    /// The layers of the first level of each picture.
-    drawn: Vec<Vec<wgpu::TextureView>>,
+    /// The first level of each picture.
+    first: Vec<FirstLevel>,
     steps: Vec<Step>,
-    /// The texture that is looked up.
-    result: wgpu::Texture,
+    /// The textures that are looked up: all pictures, and the sparse levels of N-buffers. Other filters have no sparse levels,
+    /// and the first texture stands for them.
+    result: [wgpu::Texture; 2],
 }
 
 impl Maker<'_> {
-    fn texture(&self, label: &str, format: wgpu::TextureFormat, layers: u32, mips: u32) -> wgpu::Texture {
+    fn texture(
+        &self,
+        label: &str,
+        format: wgpu::TextureFormat,
+        side: u32,
+        layers: u32,
+        mips: u32,
+    ) -> wgpu::Texture {
         self.context.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d {
-                width: self.key.side,
-                height: self.key.side,
+                width: side,
+                height: side,
                 depth_or_array_layers: layers,
             },
             mip_level_count: mips,
@@ -67,24 +83,37 @@ impl Maker<'_> {
 
     fn below(&self, texture: &wgpu::Texture, first: u32, count: u32, mip: u32) -> wgpu::BindGroup {
         let view = self.view(texture, first, Some(count), mip);
-        let views = [wgpu::BindingResource::TextureView(&view)];
+        let resources = [
+            wgpu::BindingResource::TextureView(&view),
+            wgpu::BindingResource::Sampler(&self.layouts.single_texels),
+        ];
         bind_in_order(
             &self.context.device,
             "slice level below",
             &self.layouts.below,
-            views,
+            resources,
         )
     }
 
+    fn first_level(&self, texture: &wgpu::Texture, first: u32) -> FirstLevel {
+        FirstLevel {
+            layers: self.layers(texture, first, 0),
+            below: self.below(texture, first, self.key.groups, 0),
+        }
+    }
+
     /// The bind group of the lookup in coverage, unions and depths, with a sampler if the filter needs one.
-    fn lookup(&self, textures: [&wgpu::Texture; 3]) -> wgpu::BindGroup {
+    fn lookup(&self, sets: [[wgpu::Texture; 2]; 3]) -> wgpu::BindGroup {
         let device = &self.context.device;
-        let [pictures, unions, depths] = textures.map(|texture| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..Default::default()
+        let views = sets.map(|textures| {
+            textures.map(|texture| {
+                texture.create_view(&wgpu::TextureViewDescriptor {
+                    dimension: Some(wgpu::TextureViewDimension::D2Array),
+                    ..Default::default()
+                })
             })
         });
+        let [coverage, unions, depths] = &views;
         let filter = match self.key.filter {
             SliceFilter::SummedAreas => wgpu::FilterMode::Nearest,
             SliceFilter::NBuffers | SliceFilter::Mipmaps => wgpu::FilterMode::Linear,
@@ -103,10 +132,13 @@ impl Maker<'_> {
             ..Default::default()
         });
         let resources = [
-            wgpu::BindingResource::TextureView(&pictures),
+            wgpu::BindingResource::TextureView(&coverage[0]),
             wgpu::BindingResource::Sampler(&sampler),
-            wgpu::BindingResource::TextureView(&unions),
-            wgpu::BindingResource::TextureView(&depths),
+            wgpu::BindingResource::TextureView(&unions[0]),
+            wgpu::BindingResource::TextureView(&depths[0]),
+            wgpu::BindingResource::TextureView(&coverage[1]),
+            wgpu::BindingResource::TextureView(&unions[1]),
+            wgpu::BindingResource::TextureView(&depths[1]),
         ];
         let layout = self.layouts.pictures(self.key.filter);
         bind_in_order(device, "slice pictures", layout, resources)
@@ -115,86 +147,104 @@ impl Maker<'_> {
     /// Makes the textures. Each filter has its own arrangement of levels.
     pub fn make(&self) -> SliceTextures {
         let TexturesKey {
+            side,
             faces,
             groups,
             filter,
             is_split,
             ..
         } = self.key;
+        // All sets of sums share it.
         let scratch = (filter == SliceFilter::SummedAreas)
-            .then(|| self.texture("slice sums, in turn", SUM_FORMAT, faces * groups, 1));
+            .then(|| self.texture("slice sums, in turn", SUM_FORMAT, side, faces * groups, 1));
         let filtered = || match (filter, &scratch) {
             (SliceFilter::SummedAreas, Some(scratch)) => self.summed_areas(scratch),
             (SliceFilter::Mipmaps, _) => self.mipmaps(),
             _ => self.n_buffers(),
         };
         let coverage = filtered();
-        let (mut drawn, mut steps) = (coverage.drawn, coverage.steps);
-        let pictures = coverage.result;
-        let (mut unions, mut depths) = (pictures.clone(), pictures.clone());
+        let (drawn, steps, sets);
         if is_split {
-            let all = self.texture("slice depths", PICTURE_FORMAT, faces * groups, 1);
-            let layers = (0..faces)
-                .map(|face| self.layers(&all, face * groups, 0))
-                .collect();
-            let covered = std::mem::replace(&mut drawn, layers);
-            let mut filters = std::mem::replace(&mut steps, self.split(&all, SliceSet::Coverage, &covered));
-            for (set, result) in [(SliceSet::Unions, &mut unions), (SliceSet::Depths, &mut depths)] {
-                let made = filtered();
-                steps.extend(self.split(&all, set, &made.drawn));
-                filters.extend(made.steps);
-                *result = made.result;
-            }
-            steps.extend(filters);
+            let [unions, depths] = [filtered(), filtered()];
+            let mut all = self.split(&depths.first, SliceSet::Coverage, coverage.first);
+            all.extend(self.split(&depths.first, SliceSet::Unions, unions.first));
+            all.extend([coverage.steps, unions.steps, depths.steps].into_iter().flatten());
+            (drawn, steps) = (depths.first, all);
+            sets = [coverage.result, unions.result, depths.result];
+        } else {
+            (drawn, steps) = (coverage.first, coverage.steps);
+            sets = [coverage.result.clone(), coverage.result.clone(), coverage.result];
         }
         SliceTextures {
             key: self.key,
-            drawn,
+            drawn: drawn.into_iter().map(|first| first.layers).collect(),
             steps,
-            group: self.lookup([&pictures, &unions, &depths]),
+            group: self.lookup(sets),
             record: FaceRecord::default(),
             in_use: true,
         }
     }
 
     /// The passes that make a set of pictures from depths.
-    fn split(&self, from: &wgpu::Texture, set: SliceSet, targets: &[Vec<wgpu::TextureView>]) -> Vec<Step> {
-        let groups = self.key.groups;
-        let step = |(face, targets): (usize, &Vec<wgpu::TextureView>)| Step {
+    fn split(&self, depths: &[FirstLevel], set: SliceSet, targets: Vec<FirstLevel>) -> Vec<Step> {
+        let step = |(depths, targets): (&FirstLevel, FirstLevel)| Step {
             kind: StepKind::Split(set),
-            below: self.below(from, face as u32 * groups, groups, 0),
-            targets: targets.clone(),
+            below: depths.below.clone(),
+            targets: targets.layers,
             instance: 0,
             level: 0,
         };
-        targets.iter().enumerate().map(step).collect()
+        depths.iter().zip(targets).map(step).collect()
     }
 
-    /// Levels are layers: those of a picture follow each other, and those of its groups within a level.
+    /// Dense levels are layers: those of a picture follow each other, and those of its groups within a level. Sparse levels are
+    /// mips of another texture of half the side.
     fn n_buffers(&self) -> Filtered {
         let TexturesKey {
             side, faces, groups, ..
         } = self.key;
-        let levels = level_count(side);
-        let texture = self.texture("slice N-buffers", PICTURE_FORMAT, faces * groups * levels, 1);
-        let first = |face: u32, level: u32| (face * levels + level) * groups;
-        let (mut drawn, mut steps) = (Vec::new(), Vec::new());
+        let dense_levels = DENSE_LEVEL + 1;
+        let sparse_levels = level_count(side) - dense_levels;
+        let layers = faces * groups;
+        let dense = self.texture("slice N-buffers", PICTURE_FORMAT, side, layers * dense_levels, 1);
+        let sparse = self.texture(
+            "sparse slice N-buffers",
+            PICTURE_FORMAT,
+            side / 2,
+            layers,
+            sparse_levels,
+        );
+        let first = |face: u32, level: u32| (face * dense_levels + level) * groups;
+        let (mut firsts, mut steps) = (Vec::new(), Vec::new());
         for face in 0..faces {
-            drawn.push(self.layers(&texture, first(face, 0), 0));
-            for level in 1..levels {
+            firsts.push(self.first_level(&dense, first(face, 0)));
+            for level in 1..dense_levels {
                 steps.push(Step {
                     kind: StepKind::Level,
-                    below: self.below(&texture, first(face, level - 1), groups, 0),
-                    targets: self.layers(&texture, first(face, level), 0),
+                    below: self.below(&dense, first(face, level - 1), groups, 0),
+                    targets: self.layers(&dense, first(face, level), 0),
                     instance: 1 << (level - 1),
                     level,
                 });
             }
+            for mip in 0..sparse_levels {
+                let below = match mip.checked_sub(1) {
+                    Some(mip) => self.below(&sparse, face * groups, groups, mip),
+                    None => self.below(&dense, first(face, DENSE_LEVEL), groups, 0),
+                };
+                steps.push(Step {
+                    kind: StepKind::HalvedLevel,
+                    below,
+                    targets: self.layers(&sparse, face * groups, mip),
+                    instance: 1 << DENSE_LEVEL,
+                    level: dense_levels + mip,
+                });
+            }
         }
         Filtered {
-            drawn,
+            first: firsts,
             steps,
-            result: texture,
+            result: [dense, sparse],
         }
     }
 
@@ -203,36 +253,36 @@ impl Maker<'_> {
             side, faces, groups, ..
         } = self.key;
         let levels = level_count(side);
-        let texture = self.texture("slice mipmaps", PICTURE_FORMAT, faces * groups, levels);
-        let (mut drawn, mut steps) = (Vec::new(), Vec::new());
+        let texture = self.texture("slice mipmaps", PICTURE_FORMAT, side, faces * groups, levels);
+        let (mut firsts, mut steps) = (Vec::new(), Vec::new());
         for face in 0..faces {
-            drawn.push(self.layers(&texture, face * groups, 0));
+            firsts.push(self.first_level(&texture, face * groups));
             for level in 1..levels {
                 steps.push(Step {
-                    kind: StepKind::Level,
+                    kind: StepKind::HalvedLevel,
                     below: self.below(&texture, face * groups, groups, level - 1),
                     targets: self.layers(&texture, face * groups, level),
-                    instance: 0,
+                    instance: 1,
                     level: 0,
                 });
             }
         }
         Filtered {
-            drawn,
+            first: firsts,
             steps,
-            result: texture,
+            result: [texture.clone(), texture],
         }
     }
 
     /// Two textures take turns. The number of passes is even, so the last one writes the second.
     fn summed_areas(&self, scratch: &wgpu::Texture) -> Filtered {
-        let TexturesKey { faces, groups, .. } = self.key;
+        let TexturesKey {
+            side, faces, groups, ..
+        } = self.key;
         let layers = faces * groups;
-        let pictures = self.texture("slice pictures", PICTURE_FORMAT, layers, 1);
-        let sums = [scratch, &self.texture("slice sums", SUM_FORMAT, layers, 1)];
-        let drawn = (0..faces)
-            .map(|face| self.layers(&pictures, face * groups, 0))
-            .collect();
+        let pictures = self.texture("slice pictures", PICTURE_FORMAT, side, layers, 1);
+        let sums = [scratch, &self.texture("slice sums", SUM_FORMAT, side, layers, 1)];
+        let first = |face| self.first_level(&pictures, face * groups);
         let mut steps = Vec::new();
         let mut from = &pictures;
         let mut turn = 0;
@@ -241,7 +291,7 @@ impl Maker<'_> {
                 let below = self.below(from, 0, layers, 0);
                 for layer in 0..layers {
                     steps.push(Step {
-                        kind: StepKind::Level,
+                        kind: StepKind::Sum,
                         below: below.clone(),
                         targets: vec![self.view(sums[turn], layer, None, 0)],
                         instance: distance | is_down << 16 | layer << 17,
@@ -253,8 +303,8 @@ impl Maker<'_> {
             }
         }
         Filtered {
-            result: from.clone(),
-            drawn,
+            result: [from.clone(), from.clone()],
+            first: (0..faces).map(first).collect(),
             steps,
         }
     }

@@ -18,15 +18,13 @@ pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float
 /// The format of sums, which are whole numbers up to the square of the resolution.
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// The contents of a set of pictures, one picture for each slice.
+/// The contents of a set of pictures that is made from depths of casters, one picture for each slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SliceSet {
     /// Coverage of each slice.
     Coverage,
     /// Coverage of each slice and all slices before it together.
     Unions,
-    /// Depths of casters below the top of their slice.
-    Depths,
 }
 
 /// Everything that distinguishes two pipelines of one stage.
@@ -45,17 +43,17 @@ pub enum Key {
         /// Number of colour targets.
         groups: u32,
     },
-    /// Makes one of the sets of pictures that depths of casters are split into.
+    /// Makes one of the sets of pictures that are made from depths of casters.
     Split {
         /// The set that is made.
         set: SliceSet,
         /// Number of colour targets.
         groups: u32,
     },
-    /// Makes the next level of a filter.
+    /// Makes the next level of N-buffers or mipmaps.
     Level {
-        /// The filter: N-buffers or mipmaps.
-        filter: SliceFilter,
+        /// True if the level has half as many texels along a side as the level below.
+        halves: bool,
         /// Number of colour targets.
         groups: u32,
     },
@@ -83,15 +81,17 @@ const RESOLVE: &str = "techniques/occlusion_texture/resolve.wgsl";
 /// The shader files of occlusion textures.
 pub const FILES: [&str; 3] = [CASTER, FILTER, RESOLVE];
 
-/// The bind group layouts of occlusion textures.
+/// The bind group layouts of occlusion textures, and what does not differ between bind groups.
 #[derive(Debug)]
 pub struct SliceLayouts {
     /// The layout of group 0 of casters: their matrices.
     pub casters: wgpu::BindGroupLayout,
     /// The layout of group 1 of casters: the picture at a dynamic offset.
     pub face: wgpu::BindGroupLayout,
-    /// The layout of group 0 of filters: the level below.
+    /// The layout of group 0 of filters: the level below, and a sampler that takes single texels.
     pub below: wgpu::BindGroupLayout,
+    /// The sampler of filters.
+    pub single_texels: wgpu::Sampler,
     /// The layout of group 2 of the lookup: the light at a dynamic offset.
     pub light: wgpu::BindGroupLayout,
     /// The layout of group 3 of the lookup in pictures that hardware filters.
@@ -120,6 +120,7 @@ impl SliceLayouts {
             },
             count: None,
         };
+        use wgpu::SamplerBindingType::{Filtering, NonFiltering};
         let sampler = |kind| wgpu::BindGroupLayoutEntry {
             binding: 1,
             visibility: ShaderStages::FRAGMENT,
@@ -134,15 +135,22 @@ impl SliceLayouts {
                 &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, caster)],
             ),
             face: layout("slice face", &[uniform(size_of::<OcclusionFace>())]),
-            below: layout("slice level below", &[texture(0, false)]),
+            below: layout("slice level below", &[texture(0, false), sampler(NonFiltering)]),
+            single_texels: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("single texels of slices"),
+                ..Default::default()
+            }),
             light: layout("slice light", &[uniform(size_of::<OcclusionLight>())]),
             filtered: layout(
                 "slice pictures",
                 &[
                     texture(0, true),
-                    sampler(wgpu::SamplerBindingType::Filtering),
+                    sampler(Filtering),
                     texture(2, true),
                     texture(3, true),
+                    texture(4, true),
+                    texture(5, true),
+                    texture(6, true),
                 ],
             ),
             // The shader names a sampler for the other filters. One that does not filter fits any texture.
@@ -150,9 +158,12 @@ impl SliceLayouts {
                 "slice sums",
                 &[
                     texture(0, false),
-                    sampler(wgpu::SamplerBindingType::NonFiltering),
+                    sampler(NonFiltering),
                     texture(2, false),
                     texture(3, false),
+                    texture(4, false),
+                    texture(5, false),
+                    texture(6, false),
                 ],
             ),
         }
@@ -235,15 +246,11 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             let entry = match set {
                 SliceSet::Coverage => "cover",
                 SliceSet::Unions => "unite",
-                SliceSet::Depths => "deepen",
             };
             step(layouts, "slice split", entry, groups)
         }
-        Key::Level { filter, groups } => {
-            let entry = match filter {
-                SliceFilter::Mipmaps => "mipmap",
-                SliceFilter::NBuffers | SliceFilter::SummedAreas => "n_buffer",
-            };
+        Key::Level { halves, groups } => {
+            let entry = if halves { "halved_level" } else { "level" };
             step(layouts, "slice filter", entry, groups)
         }
         Key::Sum => PipelineDesc::new(

@@ -13,9 +13,9 @@ use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
 
-use super::pipelines::{FILES, Key, SliceLayouts, SliceSet, describe};
+use super::pipelines::{FILES, Key, SliceLayouts, describe};
 use super::texture_pool::TexturePool;
-use super::textures::{StepKind, TexturesKey};
+use super::textures::TexturesKey;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
@@ -163,11 +163,8 @@ impl SliceNode {
             self.face_records.constants.push(&face.record(face.origin));
         }
         let key = TexturesKey::new(slices);
-        self.require(input.gpu, key.step(StepKind::Level))?;
-        if key.is_split {
-            for set in [SliceSet::Coverage, SliceSet::Unions, SliceSet::Depths] {
-                self.require(input.gpu, key.step(StepKind::Split(set)))?;
-            }
+        for kind in key.kinds() {
+            self.require(input.gpu, key.step(kind))?;
         }
         Ok(first..self.faces.len())
     }

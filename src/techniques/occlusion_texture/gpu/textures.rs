@@ -23,7 +23,7 @@ pub struct TexturesKey {
     pub faces: u32,
     /// Number of layers of each picture, four slices each.
     pub groups: u32,
-    /// Whether depths are drawn, and split into sets of pictures.
+    /// Whether depths are drawn, and two more sets of pictures are made from them.
     pub is_split: bool,
 }
 
@@ -40,13 +40,30 @@ impl TexturesKey {
         }
     }
 
+    /// Returns the kinds of passes that fill the textures.
+    pub fn kinds(&self) -> impl Iterator<Item = StepKind> + use<> {
+        let is_split = self.is_split;
+        let splits = [SliceSet::Coverage, SliceSet::Unions].map(StepKind::Split);
+        let filters: &[StepKind] = match self.filter {
+            SliceFilter::NBuffers => &[StepKind::Level, StepKind::HalvedLevel],
+            SliceFilter::Mipmaps => &[StepKind::HalvedLevel],
+            SliceFilter::SummedAreas => &[StepKind::Sum],
+        };
+        let splits = splits.into_iter().filter(move |_| is_split);
+        splits.chain(filters.iter().copied())
+    }
+
     /// Returns the pipeline of a pass between pictures.
     pub fn step(&self, kind: StepKind) -> Key {
         let groups = self.groups;
-        match (kind, self.filter) {
-            (StepKind::Split(set), _) => Key::Split { set, groups },
-            (StepKind::Level, SliceFilter::SummedAreas) => Key::Sum,
-            (StepKind::Level, filter) => Key::Level { filter, groups },
+        match kind {
+            StepKind::Split(set) => Key::Split { set, groups },
+            StepKind::Level => Key::Level {
+                halves: false,
+                groups,
+            },
+            StepKind::HalvedLevel => Key::Level { halves: true, groups },
+            StepKind::Sum => Key::Sum,
         }
     }
 
@@ -62,8 +79,12 @@ impl TexturesKey {
 pub enum StepKind {
     /// A set of pictures, from the depths that were drawn.
     Split(SliceSet),
-    /// The next level of a filter.
+    /// The next level of N-buffers, with as many texels as the level below.
     Level,
+    /// The next level of N-buffers or mipmaps, with half as many texels along a side as the level below.
+    HalvedLevel,
+    /// One step of sums.
+    Sum,
 }
 
 /// One pass between pictures: from a view of layers to views of single layers.
