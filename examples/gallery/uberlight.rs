@@ -74,7 +74,8 @@ const LOOKS: [Look; 8] = [
     },
 ];
 
-/// Renders every look, and writes its picture to `out`. Pictures are upright. Returns a scene of the page, whose pictures have no truth and no numbers.
+/// Renders every look, and writes its picture to `out`. Pictures are upright. Returns a scene of the page, whose pictures have
+/// no truth and no numbers.
 ///
 /// # Errors
 /// One line that names the file and the element.

@@ -124,8 +124,8 @@ pub enum SliceCombination {
     /// one surface add up, casters behind each other count once, and casters that have nothing to do with each other multiply.
     /// Depths of casters are measured too: shadows begin closer behind their caster than with the other combinations, which let
     /// casters cast from the middle of their slice, and they do not jump where a caster moves from slice to slice. Takes three
-    /// times the memory, somewhat more than three times the time to filter pictures, and up to six times the lookups where there are casters. This
-    /// is the default, and the closest to the truth.
+    /// times the memory, somewhat more than three times the time to filter pictures, and up to six times the lookups where
+    /// there are casters. This is the default, and the closest to the truth.
     #[default]
     Overlap,
 }

@@ -26,19 +26,19 @@
 //!
 //! **Lights.** A rectangle has one picture, drawn from behind it. A sphere has one picture towards its casters if they lie to
 //! one side of it and not all over that side, else six, which take six times the memory; its kernel is a square as large as its
-//! disc, and slices do not match where two of the six pictures meet. A directional light has one picture along its rays; [`OcclusionTexture::angle_deg`] makes it soft. A light without
-//! a size casts hard shadows, as wide as a texel. The picture that a light may show is not considered: shadows are those of
-//! its mean colour.
+//! disc, and slices do not match where two of the six pictures meet. A directional light has one picture along its rays;
+//! [`OcclusionTexture::angle_deg`] makes it soft. A light without a size casts hard shadows, as wide as a texel. The picture that
+//! a light may show is not considered: shadows are those of its mean colour.
 //!
 //! **Slices.** Slices are cut evenly, or by [`OcclusionTexture::weight`], between the nearest and the farthest point of the
 //! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice.
 //!
-//! **Depths and overlaps.** Beyond the paper, pictures hold the depth of the nearest caster in each slice. Two more
-//! sets of pictures are made from them: what each slice covers, and what each slice and all slices before it cover together. A pixel looks up
-//! the mean depth of a slice's casters around its kernel, and takes them to be there. Their shadow fades in with the distance
-//! behind those that the kernel shows, from 0.15 to 0.75 thicknesses of the slice, also within one slice; closer to their
-//! caster shadows are lost, and more slices bring them closer. The last set tells how much of a slice lies behind casters of
-//! the slices before it; see [`SliceCombination::Overlap`].
+//! **Depths and overlaps.** Beyond the paper, pictures hold the depth of the nearest caster in each slice. Two more sets of
+//! pictures are made from them: what each slice covers, and what each slice and all slices before it cover together. A pixel
+//! looks up the mean depth of a slice's casters around its kernel, and takes them to be there. Their shadow fades in with the
+//! distance behind those that the kernel shows, from 0.15 to 0.75 thicknesses of the slice, also within one slice; closer to
+//! their caster shadows are lost, and more slices bring them closer. The last set tells how much of a slice lies behind casters
+//! of the slices before it; see [`SliceCombination::Overlap`].
 //!
 //! The paper's combinations know neither. With them, the slice that holds a receiver does not shadow it, and the slice before
 //! it fades in over a whole thickness. Casters cast from the far end of their slice for receivers just behind it, and from its
