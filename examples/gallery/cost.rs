@@ -117,7 +117,7 @@ pub fn of_light(stage: &mut Stage, light: usize, unshadowed_ms: Option<f64>) -> 
 }
 
 /// Times all passes of a light: `light N`, and those of its technique, `light N/…`. Also times all system sets on the CPU. Both
-/// are medians of [`RUNS`] frames after one that warms up.
+/// are medians of [`RUNS`] frames; at rest, after one that warms up.
 fn passes_ms(
     stage: &mut Stage,
     light: usize,
@@ -125,7 +125,8 @@ fn passes_ms(
 ) -> Result<(Option<f64>, Option<f64>), RenderError> {
     let mut gpu = Vec::with_capacity(RUNS);
     let mut cpu = Vec::with_capacity(RUNS);
-    for run in 0..=RUNS {
+    let warm_up = usize::from(!moves);
+    for run in 0..warm_up + RUNS {
         if moves {
             nudge(stage, light, run);
         }
@@ -133,7 +134,7 @@ fn passes_ms(
         let Some(index) = stage.light_indices()[light] else {
             continue;
         };
-        if run == 0 {
+        if run < warm_up {
             continue;
         }
         let label = format!("light {index}");
