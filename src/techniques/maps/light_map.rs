@@ -125,6 +125,12 @@ impl LightMap {
             {
                 self.forget();
             }
+            // The resolution of another technique's map would stay where this one needs half of it.
+            let is_another = self.request.shape != request.shape
+                || self.request.beside.is_some() != request.beside.is_some();
+            if is_another {
+                self.wanted = 0;
+            }
             self.request = request;
         }
         self.active = light.region.scissor.is_some() && !light.sets.s.is_clear();

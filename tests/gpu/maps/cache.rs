@@ -353,3 +353,30 @@ fn a_cone_that_widens_widens_its_kept_map() {
     }
     same(&mut stage, 2, "near");
 }
+
+#[test]
+fn a_map_is_as_large_after_another_technique_as_without_one() {
+    let cascades = ShadowMap {
+        resolution: MapResolution::Auto { least: 64, most: 512 },
+        ..Default::default()
+    };
+    let resolutions = |first: Option<ShadowMap>| {
+        [140, 180, 220, 260, 300].map(|width| {
+            let mut stage = stage();
+            stage
+                .world
+                .insert_resource(ViewportSize(UVec2::new(width, width / 2)));
+            let (light, place) = light_at(0.5, LightKind::Directional);
+            let entity = stage.spawn_light(light, place, first);
+            stage.run();
+            let mut entity = stage.world.entity_mut(entity);
+            entity.remove::<ShadowMap>().insert(PerspectiveMap::default());
+            stage.run();
+            let maps = stage.world.resource::<Maps>();
+            maps.of_light(0).expect("it has a map").resolution
+        })
+    };
+    let alone = resolutions(None);
+    assert_eq!(resolutions(Some(cascades)), alone);
+    assert_ne!(alone[0], alone[4], "pictures of other sizes need others");
+}
