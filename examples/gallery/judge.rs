@@ -22,7 +22,7 @@ use super::support::stats;
 use super::truth::{self, RayScenes, SAMPLES, Truth};
 use super::way::{Way, shadow_all};
 
-/// What draws pages. Several workbenches draw at once; while one of them measures times, the others wait.
+/// A device that draws pages. Several workbenches draw at once; while one of them measures times, the others wait.
 pub struct Workbench {
     /// Device that draws.
     pub context: RenderContext,

@@ -22,7 +22,7 @@ pub enum Task<'a> {
     Day,
 }
 
-/// What a task has drawn.
+/// The result of a task.
 pub enum Done {
     /// Results of a page.
     Page(PageResult),
