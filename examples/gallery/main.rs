@@ -198,8 +198,7 @@ fn gallery(arguments: &Arguments, assets: &Path, out: &Path) -> Result<(), Strin
 
 /// Writes or prints what is asked for instead of the gallery.
 fn another(arguments: &Arguments, assets: &Path) -> Result<(), String> {
-    let benches = Workbench::several(1, arguments.size, arguments.scale, |_| {})?;
-    let [mut bench] = <[Workbench; 1]>::try_from(benches).map_err(|_| "one workbench is needed")?;
+    let mut bench = Workbench::several(1, arguments.size, arguments.scale, |_| {})?.remove(0);
     if let (true, Some(folder)) = (arguments.soft_table, &arguments.models) {
         let choice = soft_table::Choice {
             only: arguments.only.as_deref(),

@@ -160,3 +160,44 @@ fn encoded(value: f32) -> u8 {
     };
     (value * 255.0).round().clamp(0.0, 255.0) as u8
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reduced_pixel_is_the_mean_of_what_it_covers() {
+        // Three columns become two: each takes one whole and half of the middle one.
+        let [white, black] = [[255; 4], [0, 0, 0, 255]];
+        let row = |columns: [[u8; 4]; 3]| columns.concat();
+        let size = UVec2::new(3, 1);
+        let halves = |columns| reduce(size, &row(columns), UVec2::new(2, 1));
+        let [two_thirds, third] = [2.0 / 3.0, 1.0 / 3.0].map(encoded);
+        assert_eq!(halves([white, black, black])[..3], [two_thirds; 3]);
+        assert_eq!(halves([white, black, black])[4..], black);
+        assert_eq!(halves([black, white, black])[..3], [third; 3]);
+        assert_eq!(halves([black, white, black])[4..7], [third; 3]);
+        assert_eq!(
+            reduce(size, &row([white, black, white]), size),
+            row([white, black, white])
+        );
+    }
+
+    #[test]
+    fn what_reduced_pixels_cover_is_whole() {
+        for (length, reduced) in [(960, 640), (2, 1), (81, 54), (7, 5), (5, 5)] {
+            let pixels = covered(length, reduced);
+            let mut sums = vec![0.0; length as usize];
+            for pixel in &pixels {
+                let whole: f32 = pixel.iter().map(|(_, share)| share).sum();
+                assert!((whole - 1.0).abs() < 1e-5, "{length} to {reduced}: {pixel:?}");
+                pixel.iter().for_each(|&(at, share)| sums[at as usize] += share);
+            }
+            let even = reduced as f32 / length as f32;
+            assert!(
+                sums.iter().all(|sum| (sum - even).abs() < 1e-5),
+                "{length} to {reduced}"
+            );
+        }
+    }
+}

@@ -131,8 +131,17 @@ impl Session<'_> {
     ) -> Result<ShotResult, String> {
         let (bench, page) = (self.bench, self.page);
         let light = self.shown.light(page, shot.light)?;
-        let (truth_picture, masks) = bench.beside(|| self.truth_picture(shot, scenes, masked))?;
-        let truths = bench.beside(|| truth::of_lights(&self.shown.stage, &scenes.all, SAMPLES))?;
+        let truth_picture = match masked {
+            None => Some(bench.beside(|| self.truth_picture(shot, scenes))?),
+            Some(_) => None,
+        };
+        let (masks, truths) = bench.beside(|| {
+            bench.look(page, &mut self.shown, shot, bench.size)?;
+            let masks = masked.map(|masked| self.on_same_surfaces(masked)).transpose()?;
+            self.shown.stage.run();
+            let truths = truth::of_lights(&self.shown.stage, &scenes.all, SAMPLES)?;
+            Ok::<_, String>((masks, truths))
+        })?;
         let Some(Truth { image, is_soft }) = &truths[light] else {
             return Err(format!("page {}: light {} cannot shine", page.name, shot.light));
         };
@@ -165,33 +174,15 @@ impl Session<'_> {
         })
     }
 
-    /// Draws and writes the picture with ray-cast visibility, unless alpha masks have holes. Returns its file, and what was seen
-    /// through the holes where surfaces are the same without them. The stage sees the shot at the size at which it is judged
-    /// then.
-    #[expect(
-        clippy::type_complexity,
-        reason = "two parts of a shot, each of which may not be there"
-    )]
-    fn truth_picture(
-        &mut self,
-        shot: &PageShot,
-        scenes: &RayScenes,
-        masked: Option<Masked>,
-    ) -> Result<(Option<String>, Option<Vec<Vec<f32>>>), String> {
+    /// Draws and writes the picture with ray-cast visibility. Returns its file.
+    fn truth_picture(&mut self, shot: &PageShot, scenes: &RayScenes) -> Result<String, String> {
         let (bench, page) = (self.bench, self.page);
-        let mut file = None;
-        if masked.is_none() {
-            bench.look(page, &mut self.shown, shot, bench.drawn())?;
-            let large = truth::picture(&mut self.shown.stage, scenes)
-                .map_err(|error| format!("page {}: {error}", page.name))?;
-            let name = file_name(page, shot, "truth", PANELS[0]);
-            self.write_reduced(&name, &large)?;
-            file = Some(name);
-        }
-        bench.look(page, &mut self.shown, shot, bench.size)?;
-        let masks = masked.map(|masked| self.on_same_surfaces(masked)).transpose()?;
-        self.shown.stage.run();
-        Ok((file, masks))
+        bench.look(page, &mut self.shown, shot, bench.drawn())?;
+        let large = truth::picture(&mut self.shown.stage, scenes)
+            .map_err(|error| format!("page {}: {error}", page.name))?;
+        let file = file_name(page, shot, "truth", PANELS[0]);
+        self.write_reduced(&file, &large)?;
+        Ok(file)
     }
 
     /// Times the light of a shot without shadows and under each way that was judged.
