@@ -69,8 +69,8 @@ pub fn level_count(side: u32) -> u32 {
 ///
 /// By measure: with 3, squares have eight values along each side. Their means err by up to 0.004 (root mean square), single ones
 /// by 0.04, and errors against the ray caster are those of values at every texel to within 0.001. With 2, a single mean errs by up
-/// to 0.12; with 4, by up to 0.02, but levels take a third longer to build. `cargo test --all-features --test core sparse_levels -- --nocapture`
-/// prints errors of random pictures for the value below.
+/// to 0.12; with 4, by up to 0.02, but levels take a third longer to build.
+/// `cargo test --all-features --test core sparse_levels -- --nocapture` prints errors of random pictures for the value below.
 pub const DENSE_LEVEL: u32 = 3;
 
 /// Returns the distance between the values of a level of N-buffers, in texels of the picture.
