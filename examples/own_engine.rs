@@ -6,7 +6,7 @@
 //! ```
 
 use std::error::Error;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use antumbra::prelude::*;
@@ -15,16 +15,28 @@ use antumbra::render::readback::read_texture;
 use antumbra::schedule::{init_resources, standalone_schedule};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
+use clap::Parser;
 use glam::{UVec2, Vec3};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
+/// Draws one frame, and writes it as a PNG.
+#[derive(Parser)]
+struct Arguments {
+    /// Folder of the picture; created if missing.
+    #[arg(long, default_value = "out")]
+    out: PathBuf,
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::parse();
     // An engine has these already: a device, a queue and a texture to draw into.
     let size = UVec2::new(640, 360);
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
-    let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
+    // Without these optional features everything is drawn as well, but soft shadows err more.
+    let descriptor = RequestedFeatures::default().descriptor(&adapter);
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
     let name = adapter.get_info().name;
 
     // Do this once: add the systems to a world, and create a renderer on the device.
@@ -45,7 +57,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let place = Transform::from_xyz(0.0, 1.0, 0.0);
     world.spawn((ball, matte(Vec3::X), ShadowCaster, ShadowReceiver, place));
     let view = Transform::from_xyz(2.0, 3.0, 6.0).looking_at(Vec3::Y * 0.5, Vec3::Y);
-    world.spawn((Camera::default(), view));
+    let camera = Camera {
+        aspect: size.x as f32 / size.y as f32,
+        ..Camera::default()
+    };
+    world.spawn((camera, view));
     let sun = Light::directional(Vec3::ONE, 3.0);
     let towards = Transform::IDENTITY.looking_to(Vec3::new(-1.0, -2.0, -1.0), Vec3::Y);
     world.spawn((sun, StencilVolume::default(), towards));
@@ -68,11 +84,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     queue.submit([encoder.finish()]);
 
-    let out = std::env::args().skip_while(|argument| argument != "--out").nth(1);
-    let out = out.unwrap_or_else(|| "out".to_owned());
-    std::fs::create_dir_all(&out)?;
+    std::fs::create_dir_all(&arguments.out)?;
     let rows = read_texture(&context, &frame, wgpu::TextureAspect::All, "frame")?;
-    let path = Path::new(&out).join("own_engine.png");
+    let path = arguments.out.join("own_engine.png");
     let color = image::ExtendedColorType::Rgba8;
     image::save_buffer(&path, &rows.bytes, size.x, size.y, color)?;
     println!("{}", path.display());

@@ -115,14 +115,15 @@ fn render(arguments: &Arguments) -> Result<(), String> {
     stats::print_new_reports(&arguments.shot.display().to_string(), &mut stage);
     let stats = stats::collect(&mut stage, &rendered);
 
-    let out = &arguments.out;
-    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
-    picture::write_png(&out.join("image.png"), rendered.size, &rendered.picture)?;
+    // Before anything is written: the other picture may be the one that this run replaces.
     if let Some(other) = &arguments.against {
         let path = other.join("image.png");
         let difference = picture::difference(&path, rendered.size, &rendered.picture)?;
         println!("{}: {difference}", path.display());
     }
+    let out = &arguments.out;
+    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    picture::write_png(&out.join("image.png"), rendered.size, &rendered.picture)?;
     picture::write_rgb_exr(&out.join("image.exr"), rendered.size, &rendered.radiance)?;
     for (light, visibility) in rendered.visibility.iter().enumerate() {
         let path = out.join(format!("light{light}.visibility.exr"));

@@ -6,7 +6,7 @@
 
 use std::error::Error;
 use std::f32::consts::TAU;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use antumbra::prelude::*;
@@ -15,6 +15,7 @@ use antumbra::render::readback::read_texture;
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
+use clap::Parser;
 use glam::{UVec2, Vec3};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -41,7 +42,16 @@ fn spawn_scene(mut commands: Commands) {
     commands.spawn((lamp, StencilVolume::default(), place));
 }
 
+/// Draws one frame, and writes it as a PNG.
+#[derive(Parser)]
+struct Arguments {
+    /// Folder of the picture; created if missing.
+    #[arg(long, default_value = "out")]
+    out: PathBuf,
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::parse();
     let size = UVec2::new(640, 360);
     let context = pollster::block_on(RenderContext::headless(RequestedFeatures::default()))?;
     let mut renderer = Renderer::new(context.clone())?;
@@ -67,11 +77,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     renderer.record(&mut encoder, &outputs);
     context.queue.submit([encoder.finish()]);
 
-    let out = std::env::args().skip_while(|argument| argument != "--out").nth(1);
-    let out = out.unwrap_or_else(|| "out".to_owned());
-    std::fs::create_dir_all(&out)?;
+    std::fs::create_dir_all(&arguments.out)?;
     let rows = read_texture(&context, &picture, wgpu::TextureAspect::All, "picture")?;
-    let path = Path::new(&out).join("with_app.png");
+    let path = arguments.out.join("with_app.png");
     let color = image::ExtendedColorType::Rgba8;
     image::save_buffer(&path, &rows.bytes, size.x, size.y, color)?;
     println!("{}", path.display());

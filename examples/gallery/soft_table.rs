@@ -149,7 +149,7 @@ fn slices(slices: u32, filter: SliceFilter) -> OcclusionTexture {
 
 /// Selects rows and columns of the table.
 pub struct Choice<'a> {
-    /// Part of the paths of the models to show. Default: all.
+    /// Parts of the paths of the models to show, separated by commas. Default: all.
     pub only: Option<&'a str>,
     /// Names of the ways to show, separated by commas. Default: all.
     pub ways: Option<&'a str>,
@@ -163,11 +163,16 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
     let mut files = Vec::new();
     collect(folder, &mut files)?;
     files.sort();
-    files.retain(|file| {
-        choice
-            .only
-            .is_none_or(|only| file.to_string_lossy().contains(only))
-    });
+    if let Some(only) = choice.only {
+        let is_wanted = |file: &PathBuf| only.split(',').any(|part| file.to_string_lossy().contains(part));
+        files.retain(is_wanted);
+        if files.is_empty() {
+            return Err(format!(
+                "--only {only}: no model below {} has this in its path",
+                folder.display()
+            ));
+        }
+    }
     println!(
         "RMSE over all receivers / over the penumbra, milliseconds of a frame (wall clock, median), {size}, {}",
         context.adapter

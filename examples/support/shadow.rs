@@ -127,7 +127,7 @@ impl ShotShadow {
         let name = match settings.remove("technique") {
             Some(Value::String(name)) => name,
             Some(other) => return Err(format!("shadow.technique: {other} must be one of {}", names())),
-            None => return Err(format!("shadow: no technique, there are {}", names())),
+            None => return Err(format!("shadow: no technique; choose one of {}", names())),
         };
         if name == "none" {
             return match settings.keys().next() {
@@ -135,10 +135,14 @@ impl ShotShadow {
                 None => Ok(None),
             };
         }
-        let row = techniques
-            .named(&name)
-            .ok_or_else(|| format!("shadow.technique: no technique `{name}`, there are {}", names()))?;
+        let row = techniques.named(&name).ok_or_else(|| {
+            format!(
+                "shadow.technique: no technique is called `{name}`; choose one of {}",
+                names()
+            )
+        })?;
         nest_softness(&mut settings);
+        check_softness(&settings)?;
         let mut track = serde_path_to_error::Track::new();
         let from = serde_path_to_error::Deserializer::new(Value::Object(settings), &mut track);
         let parsed = row.parse(from);
@@ -149,6 +153,17 @@ impl ShotShadow {
                 path => format!("shadow.{path}: {error}"),
             })
     }
+}
+
+/// Says which filters have a softness, if the settings have one beside a filter of maps without it.
+fn check_softness(settings: &Map<String, Value>) -> Result<(), String> {
+    let filter = settings.get("filter").and_then(Value::as_str).unwrap_or_default();
+    if settings.contains_key("softness") && ["bilinear", "brute_4x4", "dithered_4"].contains(&filter) {
+        return Err(format!(
+            "shadow.softness: the filter `{filter}` has none; choose `jittered`, `jittered_full` or `soft_4`"
+        ));
+    }
+    Ok(())
 }
 
 /// Softness of a filter if the shot does not set one.

@@ -22,6 +22,9 @@
 //! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | drawn forward, as for other cameras, and shadowed by this crate (see below) |
 //! | transparent and transmissive meshes, volumetric fog | lit by Bevy, and shadowed by Bevy's maps if `shadow_maps_enabled` is on; the meshes cast shadows of this crate |
 //! | lights without a technique | lit and shadowed by Bevy |
+//! | `PointLight` | a sphere if its `radius` is greater than 0, which techniques with soft shadows use; else a point |
+//! | `SpotLight` | a point: its `radius` is ignored, and [`ShadowSoftness`](crate::scene::ShadowSoftness) gives it an extent |
+//! | `DirectionalLight` | has no extent; [`OcclusionTexture`](crate::techniques::OcclusionTexture) and [`Smoothie`](crate::techniques::Smoothie) have a setting for it |
 //! | `NotShadowCaster`, `NotShadowReceiver` | work as in Bevy |
 //! | `RenderLayers` of a mesh | the mesh blocks a light if they share a layer; layers from 31 on count as one |
 //! | `Visibility` | a hidden mesh casts nothing, a hidden light does not shine |
@@ -80,8 +83,8 @@
 //!
 //! - The masks are the fifth bind group, because Bevy's materials use four. WebGPU guarantees no fifth. On such a
 //!   device forward meshes are lit without shadows of this crate, and the log names their materials.
-//! - The material's shader is WGSL, and its own text: overrides count in the root module alone. Other shaders
-//!   keep Bevy's light.
+//! - The material's shader must be WGSL, and must call Bevy's lighting in its own source, because overrides apply only to
+//!   the root module. Other shaders keep Bevy's light.
 //! - The mesh is in the depth prepass (`enable_prepass`), because a mask belongs to the surface that is seen. Nor
 //!   is there a mask for the back of a mesh: materials with `diffuse_transmission` keep Bevy's light.
 //! - A view keeps 16 lights, in four bytes a pixel each. Further lights are lit without shadows. Views without

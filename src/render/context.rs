@@ -85,8 +85,9 @@ pub struct RequestedFeatures {
     /// Asks for the format `Depth32FloatStencil8`, true by default. Without it depth has 24 bits: it is
     /// coarser far from the near plane, and may take less memory.
     pub float_depth: bool,
-    /// Asks for blending into 32-bit floats, true by default. Without it, techniques that sum in floats sum
-    /// in bytes instead, or in half floats if they sum by colour.
+    /// Asks for blending into 32-bit floats, and for up to 64 bytes of colour attachments a pixel; true by default. Without
+    /// it, techniques that sum in floats sum in bytes instead, or in half floats if they sum by colour. Penumbra wedges then
+    /// add up penumbrae that overlap, and err several times as much.
     pub float_blend: bool,
     /// Asks for timers of each pass on the GPU. The default is true with the crate's feature `profile`, else
     /// false. Without timers no GPU times are reported.
@@ -110,6 +111,27 @@ impl RequestedFeatures {
         float_blend: false,
         timestamps: false,
     };
+
+    /// Describes a device with those of the features that an adapter has, and with the limits that they need. An engine that
+    /// makes its own device enables these, beside its own.
+    pub fn descriptor(self, adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+        let mut features = wgpu::Features::empty();
+        features.set(wgpu::Features::DEPTH32FLOAT_STENCIL8, self.float_depth);
+        features.set(wgpu::Features::FLOAT32_BLENDABLE, self.float_blend);
+        features.set(wgpu::Features::TIMESTAMP_QUERY, self.timestamps);
+        // With sums of 64 bytes for a pixel, penumbra wedges place more samples on the light.
+        let most_bytes = if self.float_blend { 64 } else { 32 };
+        let bytes = adapter.limits().max_color_attachment_bytes_per_sample;
+        wgpu::DeviceDescriptor {
+            label: Some("antumbra"),
+            required_features: features & adapter.features(),
+            required_limits: wgpu::Limits {
+                max_color_attachment_bytes_per_sample: bytes.clamp(32, most_bytes),
+                ..wgpu::Limits::default()
+            },
+            ..Default::default()
+        }
+    }
 }
 
 /// A device and its queue. A clone is cheap and shares them.
@@ -173,35 +195,8 @@ impl RenderContext {
         requested: RequestedFeatures,
     ) -> Result<Self, RenderError> {
         let info = adapter.get_info();
-        let mut features = wgpu::Features::empty();
-        if requested.float_depth {
-            features |= wgpu::Features::DEPTH32FLOAT_STENCIL8;
-        }
-        if requested.float_blend {
-            features |= wgpu::Features::FLOAT32_BLENDABLE;
-        }
-        if requested.timestamps {
-            features |= wgpu::Features::TIMESTAMP_QUERY;
-        }
-        // With sums of 64 bytes for a pixel, penumbra wedges place more samples on the light.
-        let bytes_per_pixel = if requested.float_blend {
-            adapter
-                .limits()
-                .max_color_attachment_bytes_per_sample
-                .clamp(32, 64)
-        } else {
-            32
-        };
         let (device, queue) = adapter
-            .request_device(&wgpu::DeviceDescriptor {
-                label: Some("antumbra"),
-                required_features: features & adapter.features(),
-                required_limits: wgpu::Limits {
-                    max_color_attachment_bytes_per_sample: bytes_per_pixel,
-                    ..wgpu::Limits::default()
-                },
-                ..Default::default()
-            })
+            .request_device(&requested.descriptor(adapter))
             .await
             .map_err(|error| RenderError::NoDevice {
                 adapter: info.name.clone(),

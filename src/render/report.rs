@@ -1,11 +1,12 @@
 //! Reports of everything that the renderer cannot draw.
 
 use bevy_ecs::prelude::*;
+use glam::UVec2;
 
 use super::{RenderError, Renderer};
 use crate::reports::{Reports, Round};
 use crate::scene::SceneMesh;
-use crate::sets::View;
+use crate::sets::{View, ViewportSize};
 
 /// Raises the report topics `renderer` and `mesh`. Without a [`Renderer`] it raises nothing.
 pub fn report_renderer(world: &World, reports: &mut Reports) {
@@ -14,6 +15,20 @@ pub fn report_renderer(world: &World, reports: &mut Reports) {
     if let Some(error) = renderer.and_then(Renderer::failure) {
         let view = world.resource::<View>().data.as_ref();
         raise_failure(&mut round, view.map(|view| view.camera), error);
+    }
+    // A host knows its own size and cameras.
+    if let Some(renderer) = renderer.filter(|renderer| renderer.host.is_none()) {
+        report_view(world, &mut round);
+        if let Some(format) = renderer.unprepared_output() {
+            round.state(
+                None,
+                10,
+                format_args!(
+                    "The picture was not written: its format is {format:?}, for which no pipeline was made. Call \
+                     `Renderer::prepare_output` with this format once, before the first frame."
+                ),
+            );
+        }
     }
     drop(round);
     let mut round = reports.round("mesh");
@@ -30,6 +45,32 @@ pub fn report_renderer(world: &World, reports: &mut Reports) {
                  device allows {limit} bytes. Split the mesh, or reduce its vertices."
             ),
         );
+    }
+}
+
+/// Reports why there is no view, and so no picture.
+fn report_view(world: &World, round: &mut Round<'_>) {
+    if world.resource::<View>().data.is_some() {
+        return;
+    }
+    let viewport = world
+        .get_resource::<ViewportSize>()
+        .map_or(UVec2::ZERO, |size| size.0);
+    if viewport.min_element() == 0 {
+        round.state(
+            None,
+            8,
+            format_args!(
+                "Nothing is drawn: the resource `ViewportSize` is {} × {} pixels. Set it to the size of the picture.",
+                viewport.x, viewport.y
+            ),
+        );
+    } else {
+        round.raise(None, 9, || {
+            "Nothing is drawn: the world has no `Camera` that can be used. Spawn one, and give it a field of view, an aspect \
+             and a near plane greater than 0, and a transform that can be inverted."
+                .to_owned()
+        });
     }
 }
 

@@ -46,7 +46,7 @@ impl Default for SelectionLayers {
 }
 
 /// Which faces of surfaces are drawn. Shadows do not depend on it, because any triangle blocks light,
-/// whichever way it faces, unless a whole object or submesh is culled ([`CulledCasters`]).
+/// whichever way it faces, unless a whole object or submesh is culled ([`CulledCasters`]). Default: single-sided.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FaceCulling {
     /// Materials that are not double-sided show their front faces only.
@@ -58,10 +58,10 @@ pub enum FaceCulling {
 
 /// Whether objects and submeshes that are culled from the view as a whole cast shadows.
 ///
-/// Such a one is a closed mesh or submesh that is turned inside out, with materials that show their front faces only, seen from
-/// outside of the object's bounds: its near side is not drawn. Outlines are made so, by a hull that is a little larger than the
-/// object in it; if the hull cast, the whole object would lie in its shadow. Rooms are made so as well, which are looked
-/// into from above. Under [`FaceCulling::None`] nothing is culled, and everything casts.
+/// This concerns closed meshes and submeshes that are turned inside out, with materials that show their front faces only, seen
+/// from outside of the object's bounds: their near side is not drawn. Outline hulls are built this way, a little larger than
+/// the object in them; if the hull cast, the whole object would lie in its shadow. So are rooms that the camera looks into
+/// from above. Under [`FaceCulling::None`] nothing is culled, and everything casts.
 ///
 /// It is left out for all lights, also those within it. A hull that shares a submesh with the object which it outlines is
 /// not found.

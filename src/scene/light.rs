@@ -99,8 +99,8 @@ pub enum LightError {
     Color(Vec3),
     /// The angles of a spot light are out of order or too large.
     #[error(
-        "cone half-angles are {inner} and {outer} radians ({:.2}° inside, {:.2}° outside), 0 ≤ inner ≤ outer and \
-         0 < outer ≤ π/2 are needed",
+        "cone half-angles are {:.2}° inside and {:.2}° outside ({inner} and {outer} radians), 0 ≤ inner ≤ outer and \
+         0 < outer ≤ 90° are needed",
         inner.to_degrees(),
         outer.to_degrees()
     )]

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use crate::harness::support::stage::Stage;
 use crate::harness::{own_context, strict_context};
 use antumbra::prelude::*;
-use antumbra::render::HostView;
+use antumbra::render::{HostView, create_target};
 use antumbra::reports::{Report, Reports};
+use antumbra::techniques::VisibilityBuffer;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -166,5 +167,83 @@ fn more_objects_than_the_device_can_bind_are_reported_and_lost_no_longer_than_ne
     for object in objects {
         stage.world.despawn(object);
     }
+    expect_nothing(&mut stage);
+}
+
+#[test]
+fn a_world_without_a_picture_says_what_is_missing() {
+    let mut stage = stage(strict_context());
+    expect_nothing(&mut stage);
+    stage.world.insert_resource(ViewportSize(UVec2::new(64, 0)));
+    expect(
+        &mut stage,
+        "renderer",
+        None,
+        &["Nothing is drawn", "`ViewportSize` is 64 × 0"],
+    );
+    stage.world.insert_resource(ViewportSize(SIZE));
+    expect_nothing(&mut stage);
+    let camera = stage.camera;
+    let set_aspect = |stage: &mut Stage, aspect| {
+        stage.world.get_mut::<Camera>(camera).expect("a camera").aspect = aspect;
+    };
+    set_aspect(&mut stage, f32::NAN);
+    expect(
+        &mut stage,
+        "renderer",
+        None,
+        &["Nothing is drawn", "no `Camera` that can be used"],
+    );
+    set_aspect(&mut stage, 2.0);
+    expect_nothing(&mut stage);
+}
+
+#[test]
+fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
+    let mut stage = stage(strict_context());
+    expect_nothing(&mut stage);
+    let renderer = stage.world.resource::<Renderer>();
+    let context = renderer.context().clone();
+    let format = wgpu::TextureFormat::Rgb10a2Unorm;
+    let picture = create_target(&context, "picture", SIZE, format).expect("a texture");
+    let picture = picture.create_view(&Default::default());
+    let mut encoder = context.device.create_command_encoder(&Default::default());
+    let outputs = FrameOutputs {
+        picture: Some(&picture),
+        visibility: &[],
+    };
+    renderer.record(&mut encoder, &outputs);
+    context.queue.submit([encoder.finish()]);
+    expect(
+        &mut stage,
+        "renderer",
+        None,
+        &["Rgb10a2Unorm", "`Renderer::prepare_output`"],
+    );
+    stage.world.resource_mut::<Renderer>().prepare_output(format);
+    expect_nothing(&mut stage);
+}
+
+#[test]
+fn wedges_on_a_device_that_blends_no_floats_say_that_they_err_more() {
+    let mut stage = stage(own_context(RequestedFeatures::BASELINE));
+    expect_nothing(&mut stage);
+    let place = Transform::from_xyz(0.0, 3.0, 0.5).looking_at(Vec3::ZERO, Vec3::Z);
+    let rect = LightKind::Rect {
+        width: 0.5,
+        height: 0.5,
+    };
+    let light = Light {
+        kind: rect,
+        ..Light::point(Vec3::ONE, 20.0, 20.0)
+    };
+    let light = stage.spawn_light(light, place, Some(PenumbraWedge::default()));
+    let text = ["does not blend", "FLOAT32_BLENDABLE"];
+    expect(&mut stage, "penumbra_wedge", None, &text);
+    let meant = PenumbraWedge {
+        buffer: VisibilityBuffer::Split8,
+        ..Default::default()
+    };
+    stage.world.entity_mut(light).insert(meant);
     expect_nothing(&mut stage);
 }

@@ -96,7 +96,7 @@ fn what_is_wrong_in_a_shot_file_is_named() {
     }
     let line = refused(json!({"technique": "veil"}), Techniques::default());
     assert!(
-        line.contains("no technique `veil`, there are none, stencil_volume"),
+        line.contains("no technique is called `veil`; choose one of none, stencil_volume"),
         "{line}"
     );
 }

@@ -18,7 +18,7 @@ fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
 /// A change of the small shot, and what the line must name beside the shot file.
 type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
 
-const SPOILT: [Spoilt; 49] = [
+const SPOILT: [Spoilt; 53] = [
     (
         "a barn map without barn doors",
         |s| s["lights"][1]["barn_map"] = json!({}),
@@ -38,6 +38,29 @@ const SPOILT: [Spoilt; 49] = [
         "no scene",
         |s| drop(s.as_object_mut().map(|s| s.remove("scene"))),
         &["scene"],
+    ),
+    (
+        "a shadow darker than dark",
+        |s| s["lights"][1]["shadow_darkness"] = json!(2),
+        &["lights[1]", "shadow_darkness", "0 to 1"],
+    ),
+    (
+        "a weight below 0",
+        |s| s["lights"][1]["weights"] = json!({"diffuse": -1}),
+        &["lights[1]", "weights.diffuse", "at least 0"],
+    ),
+    (
+        "a direction of shadows for a light with a place",
+        |s| s["lights"][0]["shadow_direction"] = json!([0, -1, 0]),
+        &["lights[0]", "shadow_direction", "position"],
+    ),
+    (
+        "a softness of a filter that has none",
+        |s| {
+            s["lights"][0]["shadow"] =
+                json!({"technique": "omni_map", "filter": "bilinear", "softness": 0.02})
+        },
+        &["lights[0]", "shadow.softness", "`bilinear`", "jittered"],
     ),
     ("unknown key", |s| s["fog"] = json!(1), &["fog"]),
     (

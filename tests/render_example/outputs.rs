@@ -294,3 +294,55 @@ fn cookies_and_profiles_scale_their_lights() {
         }
     }
 }
+
+#[test]
+fn a_picture_is_compared_before_it_is_replaced() {
+    let folder = folder("against");
+    write_scene(&folder);
+    let mut shot = small_shot();
+    let against = |shot: &Value, other: &str| {
+        write(&folder, "shot.json", &shot.to_string());
+        let output = Command::new(example("render"))
+            .arg(folder.join("shot.json"))
+            .arg("--out")
+            .arg(folder.join("out"))
+            .arg("--against")
+            .arg(folder.join(other))
+            .env("XDG_RUNTIME_DIR", &folder)
+            .output()
+            .expect("the example starts");
+        (
+            output.status.success(),
+            String::from_utf8_lossy(&output.stdout).into_owned(),
+        )
+    };
+    rendered(&folder, &shot);
+    let (_, same) = against(&shot, "out");
+    assert!(same.contains(" 0 of "), "{same}");
+    shot["ambient"] = json!([1, 1, 1]);
+    let (_, other) = against(&shot, "out");
+    assert!(other.contains(" of ") && !other.contains(" 0 of "), "{other}");
+    // Without a picture to compare with, nothing is written.
+    std::fs::remove_dir_all(folder.join("out")).expect("the folder goes");
+    assert!(!against(&shot, "nowhere").0);
+    assert!(!folder.join("out").exists());
+}
+
+#[test]
+fn a_panel_under_the_ceiling_needs_no_direction_of_its_height() {
+    let folder = folder("panel");
+    write_scene(&folder);
+    let mut shot = small_shot();
+    let panel = |direction: [f32; 3]| {
+        json!([{"kind": "rect", "position": [0.2, 3, 0.1], "direction": direction, "width": 1, "height": 0.5,
+            "shadow": {"technique": "stencil_volume"}}])
+    };
+    shot["lights"] = panel([0.0, -1.0, 0.0]);
+    rendered(&folder, &shot);
+    let down = channels(&folder.join("out/image.exr")).0;
+    let lit = down[0].1.iter().filter(|radiance| **radiance > 0.1).count();
+    assert!(lit > 100, "{lit}");
+    shot["lights"] = panel([0.0, 1.0, 0.0]);
+    rendered(&folder, &shot);
+    assert_ne!(channels(&folder.join("out/image.exr")).0, down);
+}

@@ -89,7 +89,7 @@ pub enum ShotEmission {
         position: [f32; 3],
         /// Direction in which the light shines; of any length.
         direction: [f32; 3],
-        /// Direction of the height. Default: as far up as the direction allows.
+        /// Direction of the height. Default: +Y as far as the direction allows, and +X where it points up or down.
         up: Option<[f32; 3]>,
         /// Width, metres.
         #[schemars(range(min = 0))]
@@ -139,6 +139,11 @@ fn axis_frame(direction: [f32; 3]) -> Result<Quat, String> {
     let direction = unit(direction.into()).unwrap_or_default();
     let up = if direction.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
     frame(direction, up, "direction")
+}
+
+/// Returns a rotation like [`frame`], with Y as far up as the direction allows, or towards X where it points up or down.
+fn level_frame(direction: [f32; 3]) -> Result<Quat, String> {
+    frame(direction.into(), Vec3::Y, "direction").or_else(|_| frame(direction.into(), Vec3::X, "direction"))
 }
 
 impl ShotEmission {
@@ -215,7 +220,7 @@ impl ShotEmission {
                     LightKind::Rect { width, height },
                     at(position).with_rotation(match up {
                         Some(up) => frame(direction.into(), up.into(), "direction")?,
-                        None => frame(direction.into(), Vec3::Y, "direction")?,
+                        None => level_frame(direction)?,
                     }),
                     range,
                     color,

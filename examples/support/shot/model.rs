@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use antumbra::prelude::*;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, layer_of_name};
 use antumbra::scene::{
-    BarnMap, LightDistance, LightModel, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
+    BarnMap, LightDistance, LightModel, LightModelFault, LightShape, LightWeights, ShadowOrigin,
+    ShadowSoftness, ShadowTint,
 };
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -115,7 +116,35 @@ impl ShotModel {
         if self.profile.is_some() {
             check_profile(light.kind)?;
         }
-        first.map_or(Ok(()), |fault| Err(fault.to_string()))
+        first.map_or(Ok(()), |fault| match self.key_of(&fault) {
+            Some(key) => Err(format!("{key}: {fault}")),
+            None => Err(fault.to_string()),
+        })
+    }
+
+    /// Returns the key of the file that a fault is about.
+    fn key_of(&self, fault: &LightModelFault) -> Option<String> {
+        let key = match fault {
+            LightModelFault::Shape { name, .. } => return Some(format!("shape.{name}")),
+            LightModelFault::Distance { name, .. } => return Some(format!("distance.{name}")),
+            LightModelFault::Weight { name, .. } => return Some(format!("weights.{name}")),
+            LightModelFault::Round(_) => "shape.round",
+            LightModelFault::NearBeyondFar { .. } => "distance",
+            LightModelFault::Directional("LightShape") => "shape",
+            LightModelFault::Directional("LightDistance") => "distance",
+            LightModelFault::ShadowColor(_) => "shadow_color",
+            LightModelFault::Darkness(_) => "shadow_darkness",
+            LightModelFault::Origin(_) | LightModelFault::OriginKind { .. }
+                if self.shadow_origin.is_some() =>
+            {
+                "shadow_origin"
+            }
+            LightModelFault::Origin(_) | LightModelFault::OriginKind { .. } => "shadow_direction",
+            LightModelFault::Softness(_) => "shadow_softness",
+            LightModelFault::BarnMap(_) => "barn_map.resolution",
+            _ => return None,
+        };
+        Some(key.to_owned())
     }
 
     /// Makes the paths relative to the current folder. The files are read here only to report errors with the shot

@@ -35,6 +35,12 @@ impl Renderer {
         }
     }
 
+    /// Returns the format of a picture that was asked for but not written, because [`Renderer::prepare_output`] was not called
+    /// with it.
+    pub fn unprepared_output(&self) -> Option<wgpu::TextureFormat> {
+        self.tonemap.unprepared()
+    }
+
     /// Records the prepared frame. Without a view, a size or a device it records nothing.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, outputs: &FrameOutputs) {
         let Some(mut frame) = self.begin_record(encoder) else {

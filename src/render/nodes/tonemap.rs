@@ -5,6 +5,8 @@
 //! Reads   radiance.  Writes  the output view
 //! Order   last
 
+use std::sync::OnceLock;
+
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage, Variants};
 use crate::render::{Gpu, RenderError};
@@ -14,6 +16,8 @@ use crate::render::{Gpu, RenderError};
 pub struct Tonemap {
     exposure: wgpu::Buffer,
     pipelines: Variants<wgpu::TextureFormat>,
+    /// The format of an output that was not prepared, and so not written.
+    unprepared: OnceLock<wgpu::TextureFormat>,
 }
 
 const FILE: &str = "passes/tonemap.wgsl";
@@ -33,6 +37,7 @@ impl Tonemap {
                 mapped_at_creation: false,
             }),
             pipelines: Variants::default(),
+            unprepared: OnceLock::new(),
         })
     }
 
@@ -59,6 +64,9 @@ impl Tonemap {
         format: wgpu::TextureFormat,
         exposure: f32,
     ) -> Result<(), RenderError> {
+        if self.unprepared.get() == Some(&format) {
+            self.unprepared.take();
+        }
         let exposure = [exposure, 0.0f32, 0.0, 0.0];
         gpu.context
             .queue
@@ -70,7 +78,12 @@ impl Tonemap {
         })
     }
 
-    /// Records the pass into a view whose format was prepared.
+    /// Returns the format of an output that was not written, because it was not prepared.
+    pub fn unprepared(&self) -> Option<wgpu::TextureFormat> {
+        self.unprepared.get().copied()
+    }
+
+    /// Records the pass into a view whose format was prepared. Others are not written, and the first is remembered.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -78,7 +91,9 @@ impl Tonemap {
         bind_group: &wgpu::BindGroup,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
     ) {
-        let Some(pipeline) = self.pipelines.get(output.texture().format()) else {
+        let format = output.texture().format();
+        let Some(pipeline) = self.pipelines.get(format) else {
+            self.unprepared.get_or_init(|| format);
             return;
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

@@ -9,11 +9,11 @@ use glam::Vec3;
 
 /// Colour and darkness of a light's shadows. Default: black and wholly dark.
 ///
-/// In a shadow the diffuse light has a mixed colour: of the light's own where some light passes, and of the
-/// shadow's. So gradients stay in the shadow. Highlights never have it: they are scaled by visibility alone.
+/// In a shadow, the diffuse light is a blend of the light's colour and the shadow's colour, weighted by visibility, so it keeps
+/// its gradients. Highlights do not take the shadow's colour: they are scaled by visibility alone.
 ///
-/// Casters spray the shadow's colour on what they shadow, so surfaces that the light does not see are drawn too,
-/// and occlusion from the light saves nothing.
+/// Surfaces in shadow receive the shadow's colour, so those that the light does not see are drawn too, and occlusion from the
+/// light saves nothing.
 /// Source: Pellacini & Vidimce 2004, GPU Gems ch. 10, §10.2.4.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(

@@ -23,7 +23,7 @@ const ROUNDING: f64 = 4e-7;
 /// [`Surroundings`]. It is the same for all casters and under every technique.
 ///
 /// Higher values let light pass surfaces on which the light was placed less exactly, and finally surfaces that should
-/// block it. Lower values leave it to rounding on which side of a surface a light is. The range is 0 to 0.01, the default
+/// block it. With lower values, rounding decides on which side of a surface a light is. The range is 0 to 0.01, the default
 /// 4 · 10⁻⁵: a third of a millimetre in a room. It costs a test of each triangle of the casters on or in which the light
 /// stands.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]

@@ -39,7 +39,9 @@ pub enum MapFilter {
         #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.01))]
         softness: f32,
         /// Looks up the eight taps of the rim first, and the others only where those disagree. Measured, it
-        /// takes 7 times fewer taps. A caster that is inside the disc without touching its rim may be missed.
+        /// takes 7 times fewer taps. A caster that is inside the disc without touching its rim may be missed. Files may
+        /// leave it out for true.
+        #[cfg_attr(feature = "serde", serde(default = "is_adaptive"))]
         adaptive: bool,
     },
     /// Four taps on a circle around the point, for a light blur. Source: Gerasimov 2004, GPU Gems ch. 12,
@@ -52,6 +54,12 @@ pub enum MapFilter {
         #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.01))]
         softness: f32,
     },
+}
+
+/// The jittered filter's `adaptive`, if a file says nothing of it.
+#[cfg(feature = "serde")]
+fn is_adaptive() -> bool {
+    true
 }
 
 impl MapFilter {
@@ -235,7 +243,7 @@ impl From<MapBias> for Option<ManualBias> {
     derive(serde::Serialize, serde::Deserialize),
     serde(
         untagged,
-        expecting = "texels along a side, or {\"least\": 128, \"most\": 1024}"
+        expecting = "expected texels along a side, or {\"least\": 128, \"most\": 1024}"
     )
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -34,8 +34,8 @@
 //! **What moves.** Maps hold what stood still. An object that is not in the maps shows no shadow of the light and casts
 //! none. A light has one technique, so a game gives moving objects a second, equal light with a shadow map or volumes, and
 //! lets the masks of [`LightSelection`](crate::scene::LightSelection) divide the objects: `affects` of the light with maps
-//! selects the static layers, that of the other the moving ones. Shadows of moving objects on static ones need both on one
-//! light and are not there.
+//! selects the static layers, that of the other the moving ones. Moving objects cast no shadows on static
+//! ones, because that would need both techniques on one light.
 //!
 //! **Night.** While the sun is below the horizon, it lights nothing that shows shadows, whether that is in the maps or not.
 //! Objects that show no shadows are lit from below.

@@ -133,7 +133,7 @@ pub enum SliceCombination {
 /// Selection layers in a file.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
-#[serde(untagged, expecting = "true, false or a mask of layers")]
+#[serde(untagged, expecting = "expected true, false or a mask of layers")]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum LayersInFile {
     /// All layers, or none.

@@ -44,9 +44,9 @@
 //! it fades in over a whole thickness. Casters cast from the far end of their slice for receivers just behind it, and from its
 //! middle once it has faded in, which halves the error of the paper's far end.
 //!
-//! **The receiver's own plane.** A flat surface hides nothing from itself. Taking a slice's casters to be at one depth would
-//! move such a surface before its receivers, so a kernel is cut to what is clear of it. Where another caster is there
-//! instead, its shadow moves by as much: the errors of boxes over each other are a quarter larger for it. Kernels in the
+//! **The receiver's own plane.** A flat surface hides nothing from itself. A slice treats its casters as lying at one depth,
+//! which could put a receiver's own surface in front of it. The kernel is therefore clipped to the part clear of that surface.
+//! The shadow of another caster there shifts by the same amount: the errors of boxes over each other are a quarter larger for it. Kernels in the
 //! receiver's own slice are not cut, since depths tell its surface from others there, unless `close_leaks` fills slices.
 //!
 //! **Pictures.** A picture shows the casters and their surroundings, as far as a kernel may reach that touches them. Receivers
@@ -72,9 +72,10 @@
 //! Light leaks through thin walls that stand within 30° of the light's axis, where a slice is much thicker than the wall:
 //! kernels pass beside the wall's strip in the slice. More slices and [`OcclusionTexture::close_leaks`] mend most of that. All
 //! casters that the light reaches share one picture, so lights without a range spend their texels and slices
-//! on all casters of the scene. A report says so if most casters are lost for that. A ground, and a convex shell around
-//! everything lit, such as a sky dome or a room in one mesh, count neither as casters nor for the size of the slices. Casters
-//! that are a hundred times as far from a rectangle or sphere as most others count for no size either, and may cast nothing.
+//! on all casters of the scene. If most casters are lost because of this, a report says so. A ground, and a convex shell
+//! around everything lit, such as a sky dome or a room in one mesh, are ignored, both as casters and when slices are sized.
+//! Casters that are a hundred times as far from a rectangle or sphere as most others are ignored when slices are sized, and may
+//! cast nothing.
 //!
 //! **Errors.** Root mean square errors of visibility under a square light of 1 m, 3 m above a ground, with 8 slices of 256²
 //! texels; without a shadow the errors are 0.15 to 0.35. `cargo test --all-features --test gpu

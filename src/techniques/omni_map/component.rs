@@ -75,7 +75,8 @@ impl OmniMap {
     /// The first setting that cannot be drawn with.
     pub fn request(&self, light: &Light) -> Result<MapRequest, Refusal> {
         if light.kind == LightKind::Directional {
-            let instead = "it needs a light with a position; use ShadowMap for a directional light";
+            let instead =
+                "it needs a light with a position; use ShadowMap (`shadow_map`) for a directional light";
             return Err(Refusal::kind(light, instead));
         }
         let request = MapRequest {

@@ -103,6 +103,6 @@ pub use component::{
     CoverageMaths, MOST_STACKED, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling,
     WedgeSilhouette,
 };
-pub use overflow::{SPLIT_CAPACITY, WedgeOverflow};
+pub use overflow::{ReducedSums, SPLIT_CAPACITY, WedgeOverflow};
 pub use tables::texture::{EmitterTexture, LightTexture, LightTextureError};
 pub use wedges::PenumbraWedges;

@@ -1,6 +1,6 @@
-//! The report of sums in eight bits that ran out of room.
+//! Sums that are less exact than a light asks for: in eight bits, some of which ran out of room.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use bevy_ecs::prelude::*;
 
@@ -24,5 +24,22 @@ impl WedgeOverflow {
     /// Sets the number of pixels.
     pub fn set(&self, pixels: u32) {
         self.0.store(pixels, Ordering::Relaxed);
+    }
+}
+
+/// Whether the device cannot blend 32-bit floats, so sums are in bytes although lights ask for floats. It is false without
+/// a renderer.
+#[derive(Resource, Debug, Default)]
+pub struct ReducedSums(AtomicBool);
+
+impl ReducedSums {
+    /// Returns whether the device cannot blend 32-bit floats.
+    pub fn get(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Sets whether the device cannot blend 32-bit floats.
+    pub fn set(&self, is_reduced: bool) {
+        self.0.store(is_reduced, Ordering::Relaxed);
     }
 }

@@ -9,15 +9,15 @@ use super::geometry::cut::MOST_CUTS;
 #[cfg(feature = "render")]
 use super::gpu::recorder::PenumbraWedgeNode;
 use super::light_parts::LEAST_EXTENT;
-use super::overflow::{SPLIT_CAPACITY, WedgeOverflow};
-use super::wedges::PenumbraWedges;
+use super::overflow::{ReducedSums, SPLIT_CAPACITY, WedgeOverflow};
+use super::wedges::{LightWedges, PenumbraWedges};
 use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::shaders::{ShaderFile, shader_files};
 #[cfg(feature = "render")]
 use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
-use crate::scene::Light;
+use crate::scene::{Light, LightKind};
 use crate::sets::{FrameLights, NeededSilhouettes, Needs, View};
 use crate::techniques::registry::{Refusal, Technique, TechniqueSystems};
 
@@ -48,6 +48,7 @@ impl Technique for PenumbraWedge {
     fn init(world: &mut World) {
         world.init_resource::<PenumbraWedges>();
         world.init_resource::<WedgeOverflow>();
+        world.init_resource::<ReducedSums>();
     }
 
     fn add_systems(schedule: &mut Schedule) {
@@ -57,11 +58,19 @@ impl Technique for PenumbraWedge {
     fn report(world: &World, round: &mut Round) {
         for light in &world.resource::<FrameLights>().lights {
             if light.is_shadowed_by::<Self>() && light.emitter.bounding_radius() < LEAST_EXTENT {
-                round.raise(Some(light.entity), 1, || {
-                    "PenumbraWedge gives a hard shadow here: the light has no size. Give a point light a radius greater \
-                     than 0 m, use a rectangle, or use StencilVolume, which is cheaper."
-                        .to_owned()
-                });
+                let advice = if light.light.kind == LightKind::Directional {
+                    "A directional light has none: use Smoothie or OcclusionTexture for a soft shadow"
+                } else {
+                    "Use a sphere or a rectangle, give Bevy's PointLight a radius, or add ShadowSoftness"
+                };
+                round.state(
+                    Some(light.entity),
+                    1,
+                    format_args!(
+                        "PenumbraWedge gives a hard shadow here: the light has no size. {advice}, or use StencilVolume, which \
+                         is cheaper."
+                    ),
+                );
             }
         }
         for light in &world.resource::<PenumbraWedges>().lights {
@@ -88,6 +97,18 @@ impl Technique for PenumbraWedge {
                     )
                 });
             }
+        }
+        let sums_floats =
+            |light: &LightWedges| light.settings.buffer == VisibilityBuffer::Float && light.texture.is_none();
+        if world.resource::<ReducedSums>().get()
+            && world.resource::<PenumbraWedges>().lights.iter().any(sums_floats)
+        {
+            round.raise(None, 5, || {
+                "Penumbrae that overlap are added up, so soft shadows err several times as much: the device does not blend \
+                 32-bit floats. Make it with the feature FLOAT32_BLENDABLE, as `RequestedFeatures::descriptor` does. If the \
+                 adapter lacks it, set the buffer to `VisibilityBuffer::Split8`, which says that this is meant."
+                    .to_owned()
+            });
         }
         let pixels = world.resource::<WedgeOverflow>().pixels();
         if pixels > 0 {

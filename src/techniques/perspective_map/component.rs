@@ -45,10 +45,11 @@ pub struct PerspectiveMap {
     pub focus: MapFocus,
     /// Distance, at least 0, by which a virtual viewer stands behind the eye, in the view's units; the near
     /// plane stays where it is. 0 gives near surfaces the most texels and far ones the fewest; higher values
-    /// even them out, and an infinite slide would be a uniform map. Slide and distance of the near plane together
-    /// count as at least a 255th of the visible depth, three quarters of the depth at which one of 144 lines of sight
-    /// first meets a receiver, and an 8192nd of the depth to the corners of flat grounds. Orthographic views have no slide. Default (`None`):
-    /// measured in every frame, so that texels on the screen are shortest, by the mean of their longer sides.
+    /// even them out, and an infinite slide would be a uniform map. The sum of the slide and the distance of
+    /// the near plane is raised to at least the largest of three lengths: 1/255 of the visible depth; three quarters of the
+    /// depth at which one of 144 lines of sight first meets a receiver; 1/8192 of the depth to the corners of flat grounds.
+    /// Orthographic views have no slide. Default (`None`): measured in every frame, so that texels on the screen are
+    /// shortest, by the mean of their longer sides.
     #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub slide: Option<f32>,
     /// Distance from a light at a position, metres, within which nothing casts; at least 1e-9 and less than

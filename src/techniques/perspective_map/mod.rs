@@ -36,8 +36,8 @@
 //! along the whole ray, also where the ray passes behind the viewer, so casters there are drawn in their order.
 //!
 //! **Depth.** A directional light's depth is the distance above a plane under the receivers. Corners of large
-//! casters have a w hundreds of times that of receivers near the eye, and its rounding is a share of depth: depth
-//! is small where the receivers are, and comparisons allow for the rest.
+//! casters have a w hundreds of times that of receivers near the eye, and the rounding error of w is proportional to depth.
+//! Depth is therefore measured so that it is small at the receivers, and the comparison allows for the error that remains.
 //!
 //! **Quality.** No homography serves all views. With the light's direction across the view it is near the
 //! ideal; with the light ahead or behind, a near object and a far one share the middle of the picture: w cannot

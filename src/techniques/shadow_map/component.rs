@@ -73,7 +73,8 @@ impl ShadowMap {
     /// The first setting that cannot be drawn with.
     pub fn request(&self, light: &Light) -> Result<MapRequest, Refusal> {
         if !matches!(light.kind, LightKind::Directional | LightKind::Spot { .. }) {
-            let instead = "it needs a spot or directional light; use OmniMap for a light with a position";
+            let instead =
+                "it needs a spot or directional light; use OmniMap (`omni_map`) for a light with a position";
             return Err(Refusal::kind(light, instead));
         }
         let request = MapRequest {

@@ -91,7 +91,7 @@ pub enum SmoothieWidth {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
     untagged,
-    expecting = "a width: metres, \"light\", {\"metres\": 0.1} or {\"share\": 0.02}"
+    expecting = "expected a width: metres, \"light\", {\"metres\": 0.1} or {\"share\": 0.02}"
 )]
 enum WidthInFile {
     /// The width in metres, at least 0.

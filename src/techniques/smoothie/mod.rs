@@ -24,7 +24,7 @@
 //! the two, as a share of the drop at which the penumbra is as wide as the smoothie.
 //!
 //! **Width.** A smoothie of `w` metres at distance `b` makes a penumbra of `w (r − b) / b` metres on a receiver that
-//! faces the light. So wide is the outer half of a sphere's penumbra whose radius is `w`.
+//! faces the light. The outer half of the penumbra of a sphere light of radius `w` is this wide.
 //!
 //! **Lights.** Spot lights have one face, wide ones and all other lights at a position six, and directional lights the
 //! cascades of maps: a single fitted box would spend its texels on the distance, and smoothies have the same width in

@@ -34,7 +34,7 @@ use crate::techniques::penumbra_wedge::geometry::records::{Wedge, WedgeCaster, W
 use crate::techniques::penumbra_wedge::geometry::topology;
 use crate::techniques::penumbra_wedge::geometry::topology::{HARD_SIDE, SHELLS};
 use crate::techniques::penumbra_wedge::light_parts::PartShape;
-use crate::techniques::penumbra_wedge::overflow::WedgeOverflow;
+use crate::techniques::penumbra_wedge::overflow::{ReducedSums, WedgeOverflow};
 use crate::techniques::penumbra_wedge::tables::table_buffer::Tables;
 use crate::techniques::penumbra_wedge::wedges::{Group, LightWedges, PenumbraWedges};
 
@@ -159,9 +159,12 @@ impl PenumbraWedgeNode {
             .sum()
     }
 
-    /// Reports the overflow that has arrived. Nothing can overflow once no light has sums in bytes, so counts that are
+    /// Reports whether the device reduces sums, and the overflow that has arrived. Nothing can overflow once no light has sums in bytes, so counts that are
     /// still on their way are dropped then.
     fn report_overflow(&mut self, world: &World, lights: &[LightWedges]) {
+        if let Some(reduced) = world.get_resource::<ReducedSums>() {
+            reduced.set(!self.blends_floats);
+        }
         let splits = lights.iter().any(|light| self.form(light) == Form::Split8);
         let arrived = self.textures.overflow().take();
         let count = if splits { arrived } else { self.splits.then_some(0) };
