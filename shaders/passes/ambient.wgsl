@@ -43,5 +43,5 @@ fn fragment(in: Fragment) -> @location(0) vec4f {
         glow *= 1.0 - share;
     }
     let alpha = select(1.0, color.a, BLENDED);
-    return vec4f(radiance * alpha + glow, alpha);
+    return vec4f((radiance + glow) * alpha, alpha);
 }

@@ -3,6 +3,7 @@
 mod area_lights;
 mod bad_input;
 mod barn_map;
+mod blended_order;
 mod blended_receivers;
 mod clearcoat;
 mod cpu_gpu_parity;

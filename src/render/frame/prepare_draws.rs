@@ -8,7 +8,8 @@ use super::frame_data::{ActiveLight, FrameData, LightSlot};
 use super::front_surfaces::collect_front;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
 use crate::render::pools::light_constants::light_constants;
-use crate::render::pools::objects::NO_MESH;
+use crate::render::pools::meshes::MeshPool;
+use crate::render::pools::objects::{NO_MESH, distance_from_eye};
 use crate::render::renderer::Renderer;
 use crate::scene::FaceCulling;
 use crate::sets::{FrameLight, FrameLights, Objects, View, ViewData, VisibleSet};
@@ -68,6 +69,7 @@ fn collect_draws(
         table,
         draw_lists,
         labels,
+        meshes,
         techniques,
         functions,
         settings,
@@ -149,7 +151,7 @@ fn collect_draws(
     }
     collect_dark(frame, draw_lists, &input, lights);
     if !is_hosted {
-        collect_blended(frame, &input, visible, lights, current);
+        collect_blended(frame, &input, meshes, (visible, lights), current);
         collect_front(frame, &input, objects, lights, current);
     }
 }
@@ -194,12 +196,12 @@ fn descending(value: f32) -> u32 {
     if bits >> 31 == 0 { !bits ^ (1 << 31) } else { bits }
 }
 
-/// Lists blended surfaces of the set V, farthest first, each with the lights that reach its object.
+/// Lists blended surfaces of the set V, farthest first by the middles of their bounds, each with the lights that reach its object.
 fn collect_blended(
     frame: &mut FrameData,
     input: &DrawListInput,
-    visible: &VisibleSet,
-    lights: &FrameLights,
+    meshes: &MeshPool,
+    (visible, lights): (&VisibleSet, &FrameLights),
     current: &ViewData,
 ) {
     frame.blended_order.clear();
@@ -207,14 +209,21 @@ fn collect_blended(
         if input.table.mesh[object] == NO_MESH || input.table.handedness[object] == 0.0 {
             continue;
         }
-        for (item, _) in input
+        for (item, part) in input
             .table
             .items_of(object)
             .iter()
             .enumerate()
             .filter(|(_, item)| item.blended)
         {
-            let distance = input.table.distance_of(object, current);
+            let mesh = meshes.get(input.table.mesh[object]);
+            let distance = match mesh.and_then(|mesh| mesh.middles.get(part.submesh as usize)) {
+                Some(middle) => input.table.distance_of(object, *middle, current),
+                None => {
+                    let (center, _) = input.objects.boxes.center_half(object);
+                    distance_from_eye((center - current.eye).as_vec3(), current)
+                }
+            };
             frame
                 .blended_order
                 .push((descending(distance), object as u32, item as u32));

@@ -24,8 +24,9 @@ pub struct FrameOutputs<'a> {
 }
 
 impl Renderer {
-    /// Makes the pipeline that writes pictures of this format. Call it once, and again after
-    /// [`RenderSettings::exposure`] changed.
+    /// Makes the pipeline that writes pictures whose view has this format. Call it once, and again after
+    /// [`RenderSettings::exposure`] changed. If the view of a picture is sRGB and its texture is not, prepare the format of the
+    /// view alone, because a view does not tell its format.
     ///
     /// [`RenderSettings::exposure`]: crate::render::RenderSettings::exposure
     pub fn prepare_output(&mut self, format: wgpu::TextureFormat) {

@@ -92,7 +92,10 @@ impl Tonemap {
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
     ) {
         let format = output.texture().format();
-        let Some(pipeline) = self.pipelines.get(format) else {
+        // A view may read the texels of its texture as sRGB, or not, and does not tell.
+        let others = [format.add_srgb_suffix(), format.remove_srgb_suffix()];
+        let mut formats = [format].into_iter().chain(others);
+        let Some(pipeline) = formats.find_map(|format| self.pipelines.get(format)) else {
             self.unprepared.get_or_init(|| format);
             return;
         };

@@ -24,9 +24,6 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
     };
     /// The largest emission. A larger one would overflow when it is divided by the least squared distance.
     const BRIGHTEST: f32 = 1e30;
-    /// Slope of the intensity over the cosine at the edge of a cone without a rim. The intensity rises from 0 to 1 within two
-    /// steps of an `f32` below 1.
-    const SHARP: f32 = (1 << 23) as f32;
     let model = &light.model;
     let [emission, shadow_emission] = [light.light.color, model.tint.color]
         .map(|color| (color * light.light.intensity).min(Vec3::splat(BRIGHTEST)));
@@ -34,16 +31,7 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
         LightKind::Spot {
             inner_angle,
             outer_angle,
-        } => {
-            // Source: Khronos, KHR_lights_punctual, "Inner and Outer Cone Angles".
-            // Without a rim, which that source divides by, intensity rises within one step of the cosine.
-            let scale = if inner_angle == outer_angle {
-                SHARP
-            } else {
-                1.0 / (inner_angle.cos() - outer_angle.cos()).max(1e-3)
-            };
-            (scale, -outer_angle.cos() * scale)
-        }
+        } => cone(inner_angle, outer_angle).into(),
         _ => (0.0, 1.0),
     };
     let [right, up] = shining.emitter.half_sides.map(|side| side.as_vec3());
@@ -62,5 +50,46 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
         weights: model.weights.to_vec3().extend(model.tint.darkness).to_array(),
         shadow_emission: shadow_emission.extend(0.0).to_array(),
         shape: shape_constants(light, eye_world),
+    }
+}
+
+/// Slope of the intensity over the cosine at the edge of a cone without a rim. The intensity rises from 0 to 1 within two
+/// steps of an `f32` below 1.
+const SHARP: f64 = (1 << 23) as f64;
+
+/// Returns the factor and the summand that make the intensity of a spot light, 0 to 1, from the cosine of the angle to its axis.
+///
+/// Source: Khronos, KHR_lights_punctual, "Inner and Outer Cone Angles". That source takes the difference of the two cosines to be
+/// at least 0.001, and so leaves cones of a degree or two nearly dark.
+fn cone(inner_angle: f32, outer_angle: f32) -> [f32; 2] {
+    let (inner, outer) = (f64::from(inner_angle), f64::from(outer_angle));
+    // The cosines of small angles cancel in `f32`.
+    let difference = 2.0 * (0.5 * (outer + inner)).sin() * (0.5 * (outer - inner)).sin();
+    let scale = (1.0 / difference).min(SHARP);
+    [scale as f32, (-outer.cos() * scale) as f32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cone_has_full_intensity_inside_the_inner_angle_and_none_outside_the_outer_one() {
+        for (inner, outer) in [
+            (0.0, 1.0),
+            (0.8, 1.0),
+            (2.0, 3.0),
+            (10.0, 10.2),
+            (20.0, 45.0),
+            (0.0, 90.0),
+        ] {
+            let [scale, offset] = cone(f32::to_radians(inner), f32::to_radians(outer));
+            let at = |degrees: f32| degrees.to_radians().cos() * scale + offset;
+            assert!((at(inner) - 1.0).abs() < 0.01, "{inner} {outer}: {}", at(inner));
+            assert!(at(outer).abs() < 0.01, "{inner} {outer}: {}", at(outer));
+        }
+        let [scale, offset] = cone(1.0, 1.0);
+        assert!((0.9999_f32.cos() * scale + offset) >= 1.0);
+        assert!((1.0001_f32.cos() * scale + offset) <= 0.0);
     }
 }

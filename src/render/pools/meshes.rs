@@ -29,6 +29,8 @@ pub struct GpuMesh {
     pub indices: wgpu::Buffer,
     /// The submeshes, one for each material. Their ranges are cut to the indices that exist.
     pub submeshes: Vec<Submesh>,
+    /// The middle of each submesh's bounds, local. It is empty for a posed mesh.
+    pub middles: Vec<Vec3>,
     source: Arc<MeshData>,
     /// Counts the bytes of the mesh until the mesh is dropped.
     _counted: Counted,
@@ -204,11 +206,17 @@ impl MeshPool {
             bytemuck::cast_slice(&self.scratch),
             wgpu::BufferUsages::VERTEX,
         );
+        let drawable = drawable_indices(mesh);
         let indices = buffer(
             "indices",
-            bytemuck::cast_slice(&drawable_indices(mesh)),
+            bytemuck::cast_slice(&drawable),
             wgpu::BufferUsages::INDEX,
         );
+        let middle = |part| middle(&mesh.positions, &drawable[mesh.submesh_range(part)]);
+        let middles = match posed {
+            Some(_) => Vec::new(),
+            None => mesh.submeshes.iter().map(middle).collect(),
+        };
         let bytes = positions.size() + surface.size() + indices.size();
         GpuMesh {
             _counted: Counted::new(bytes, &gpu.meshes.bytes),
@@ -232,6 +240,7 @@ impl MeshPool {
                     }
                 })
                 .collect(),
+            middles,
             source: mesh.clone(),
         }
     }
@@ -258,6 +267,14 @@ fn posed_positions<'a>(mesh: &'a MeshData, posed: Option<&'a PosedMesh>) -> &'a 
         Some(posed) if posed.positions.len() == mesh.positions.len() => &posed.positions,
         _ => &mesh.positions,
     }
+}
+
+/// Returns the middle of the bounds of the vertices that are named.
+fn middle(positions: &[Vec3], indices: &[u32]) -> Vec3 {
+    let corners = || indices.iter().map(|index| positions[*index as usize]);
+    let least = corners().reduce(Vec3::min).unwrap_or(Vec3::ZERO);
+    let most = corners().reduce(Vec3::max).unwrap_or(Vec3::ZERO);
+    0.5 * least + 0.5 * most
 }
 
 /// Returns the mesh's indices. Triangles with a vertex that is missing or not finite are collapsed to a

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec3, Vec3, Vec4};
 
 use super::gpu_types;
 use super::materials::MaterialPool;
@@ -50,26 +50,33 @@ pub struct ObjectTable {
     constants: Vec<gpu_types::Object>,
 }
 
+/// Returns the distance of a place from the eye, metres, along the lines of sight if these are parallel. The place is relative
+/// to the eye.
+pub fn distance_from_eye(relative: Vec3, view: &ViewData) -> f32 {
+    if view.is_orthographic() {
+        relative.dot(view.frustum.shape().forward.normalize().as_vec3())
+    } else {
+        relative.length()
+    }
+}
+
 impl ObjectTable {
     /// The matrices of all objects, for upload. They are never empty.
     pub fn constants(&self) -> &[gpu_types::Object] {
         &self.constants
     }
 
-    /// Returns the distance of an object's origin from the eye, metres. In an orthographic view it is
-    /// measured along the lines of sight.
-    pub fn distance_of(&self, object: usize, view: &ViewData) -> f32 {
+    /// Returns the distance of a point from the eye, metres. The point is local to an object. In an orthographic view the
+    /// distance is measured along the lines of sight.
+    pub fn distance_of(&self, object: usize, point_local: Vec3, view: &ViewData) -> f32 {
         let constants = &self.constants[object];
-        let relative = glam::Vec3::new(
-            constants.relative_from_local_x[3],
-            constants.relative_from_local_y[3],
-            constants.relative_from_local_z[3],
-        );
-        if view.is_orthographic() {
-            relative.dot(view.frustum.shape().forward.normalize().as_vec3())
-        } else {
-            relative.length()
-        }
+        let rows = [
+            constants.relative_from_local_x,
+            constants.relative_from_local_y,
+            constants.relative_from_local_z,
+        ];
+        let relative = Vec3::from(rows.map(|row| Vec4::from(row).dot(point_local.extend(1.0))));
+        distance_from_eye(relative, view)
     }
 
     /// Looks up the meshes and materials of all objects, uploads new ones and frees unused ones. This is

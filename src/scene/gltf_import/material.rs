@@ -45,6 +45,7 @@ struct Import<'i, 'a> {
 impl Import<'_, '_> {
     fn material(&mut self, json: &JsonMaterial) -> Result<Material, GltfError> {
         let extensions = json.extensions.as_ref();
+        let is_unlit = extensions.is_some_and(|extensions| extensions.unlit.is_some());
         let strength = extensions
             .and_then(|extensions| extensions.emissive_strength.as_ref())
             .map_or(1.0, |strength| strength.emissive_strength.0);
@@ -87,8 +88,13 @@ impl Import<'_, '_> {
             occlusion_strength: json.occlusion_texture.as_ref().map_or(1.0, |occlusion| {
                 self.number("occlusion strength", occlusion.strength.0, 1.0)
             }),
-            emissive: (Vec3::from(emissive) * strength).min(Vec3::MAX),
-            emissive_texture: self.slot(json.emissive_texture.as_ref().map(info))?,
+            // Source: KHR_materials_unlit: what is not the base colour serves readers that do not know the extension.
+            emissive: if is_unlit {
+                Vec3::ZERO
+            } else {
+                (Vec3::from(emissive) * strength).min(Vec3::MAX)
+            },
+            emissive_texture: self.slot(json.emissive_texture.as_ref().map(info).filter(|_| !is_unlit))?,
             alpha_mode: match json.alpha_mode {
                 Checked::Valid(JsonAlphaMode::Mask) => {
                     AlphaMode::Mask(self.number("alpha cutoff", cutoff, f32::MAX))
@@ -97,7 +103,7 @@ impl Import<'_, '_> {
                 Checked::Valid(JsonAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
             },
             double_sided: json.double_sided,
-            unlit: extensions.is_some_and(|extensions| extensions.unlit.is_some()),
+            unlit: is_unlit,
             ..Material::default()
         };
         if let Some(extensions) = extensions {
