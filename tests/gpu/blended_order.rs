@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::scene::Submesh;
+use antumbra::scene::{Orthographic, Submesh};
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3, Vec4};
 
