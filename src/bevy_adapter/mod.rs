@@ -35,7 +35,7 @@
 //! | alpha-masked and blended casters | maps leave out the holes, volumes and wedges do not (see below) |
 //! | [`Cell`](crate::scene::Cell), [`Portal`](crate::scene::Portal), [`InCells`](crate::scene::InCells), [`Occluder`](crate::scene::Occluder) | hide objects from lights and from the light passes of marked cameras; Bevy still draws every object |
 //! | negative and zero scales | meshes are drawn as Bevy draws them, and block light as they are drawn |
-//! | `RectLight` | its size is multiplied by its transform's scale, for light and shadow |
+//! | `RectLight` | its size is multiplied by its transform's scale, for light and shadow; where a scale mirrors it, it shines to the side that Bevy lights, and a mesh on the same entity casts as if it were mirrored along local Z |
 //! | `MainPassResolutionOverride` | shadows are computed in the part of the target in use |
 //! | [`LightClearance`](crate::sets::LightClearance), [`OcclusionSettings`](crate::sets::OcclusionSettings), [`MapSettings`](crate::techniques::maps::MapSettings) | resources of the game, which all marked cameras follow |
 //!
