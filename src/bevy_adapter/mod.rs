@@ -69,7 +69,8 @@
 //! through leaves and fences one of these techniques. Volumes and wedges are made of triangles, so under them
 //! such casters block light with their whole triangles; the log says so once for each material. A material
 //! whose whole surface is a hole casts nothing under every technique. Holes that another type of material cuts
-//! are not known to the adapter.
+//! are not known to the adapter. Maps follow a texture whose `Image` changes; pixels that the GPU writes into a
+//! texture are not noticed, and maps that are kept show its holes as they were.
 //!
 //! # Forward meshes
 //!
