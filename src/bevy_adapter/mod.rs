@@ -85,8 +85,8 @@
 //!   keep Bevy's light.
 //! - The mesh is in the depth prepass (`enable_prepass`), because a mask belongs to the surface that is seen. Nor
 //!   is there a mask for the back of a mesh: materials with `diffuse_transmission` keep Bevy's light.
-//! - A view keeps 16 lights, in four bytes a pixel each. Further lights are lit without shadows. Views without
-//!   forward meshes keep nothing.
+//! - A view keeps 16 of the lights that light something in it, in four bytes a pixel each. Further lights are lit
+//!   without shadows. Views without forward meshes keep nothing.
 //!
 //! Forward meshes show the shape, the distances, the cookie and the profile of a light in 256 steps. Of a
 //! [`ShadowTint`](crate::scene::ShadowTint) they show darkness and colour, on highlights too, and a shadow is nowhere
