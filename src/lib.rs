@@ -107,6 +107,8 @@ pub mod insides {
         pub use crate::techniques::perspective_map::gpu::gpu_types::*;
         pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
     }
+    #[cfg(feature = "bevy")]
+    pub use crate::bevy_adapter::forward_views::ForwardGroup;
     pub use crate::sets::index::boxes::WORD;
     pub use crate::techniques::maps::cascades::{DepthRange, split_depths};
     #[cfg(feature = "render")]

@@ -88,6 +88,9 @@ pub struct CutMaterial {
     pub materials: SceneMaterials,
     /// Bevy's texture view and sampler that the material has on the device; `None` before it has any.
     bound: Option<(TextureViewId, SamplerId)>,
+    /// Whether the image of the texture changed since the material got it. Bevy writes the new pixels into the
+    /// same texture, so view and sampler do not tell.
+    pub(super) is_outdated: bool,
 }
 
 impl CutMaterial {
@@ -104,6 +107,7 @@ impl CutMaterial {
             cut,
             materials: SceneMaterials([Arc::new(material)].into()),
             bound: None,
+            is_outdated: false,
         }
     }
 
@@ -113,7 +117,7 @@ impl CutMaterial {
             return false;
         };
         let wanted = Some((image.texture_view.id(), image.sampler.id()));
-        if self.bound == wanted {
+        if self.bound == wanted && !self.is_outdated {
             return false;
         }
         let texture = HostTexture {
@@ -124,11 +128,12 @@ impl CutMaterial {
         };
         let is_first = self.bound.is_none() && gpu.host_texture(&self.materials.0[0], texture.clone());
         if !is_first {
-            // Another texture, or the texture comes late: the old material stays as it is on the device.
+            // Other pixels, another texture, or one that comes late: the old material stays as it is on the device.
             *self = Self::new(self.cut);
             gpu.host_texture(&self.materials.0[0], texture);
         }
         self.bound = wanted;
+        self.is_outdated = false;
         !is_first
     }
 }

@@ -71,6 +71,7 @@ impl<'a> DrawnWith<'a> {
     /// for it.
     pub fn forward_group(&mut self, view: &mut ViewState, is_ready: bool) -> Option<BindGroup> {
         let pipelines = &mut *self.pipelines;
+        pipelines.forward_layout.as_ref()?;
         if view.keeps_masks
             && is_ready
             && let (Some(managed), Some(layers)) =

@@ -15,8 +15,12 @@ use crate::render::gpu::kept::Kept;
 use crate::render::nodes::keep_visibility::KEPT_FORMAT;
 
 /// Largest number of lights whose visibility a view keeps. Each takes four bytes a pixel. Beyond it, forward
-/// meshes show no shadows of further lights.
-pub const MAX_LAYERS: u32 = 16;
+/// meshes show no shadows of further lights. Lights that light nothing in view do not count.
+pub const MAX_KEPT: u32 = 16;
+
+/// The layer of lights that light nothing in view. It is never written, so it holds 0. The layers after it are those
+/// of the other lights.
+pub const DARK_LAYER: u32 = 0;
 
 /// An array of masks: a view of the whole, and one of each layer.
 #[derive(Debug)]
@@ -34,12 +38,12 @@ pub struct ForwardMasks {
 }
 
 impl ForwardMasks {
-    /// Makes room for the masks of so many lights.
-    pub(super) fn resize(&mut self, device: &RenderDevice, size: UVec2, layers: u32) {
-        let layers = layers.clamp(1, MAX_LAYERS);
-        let fits = |masks: &Masks| masks.size == size && masks.layers.len() >= layers as usize;
+    /// Makes room for the masks of so many lights, and for [`DARK_LAYER`].
+    pub(super) fn resize(&mut self, device: &RenderDevice, size: UVec2, lights: u32) {
+        let lights = lights.clamp(1, MAX_KEPT);
+        let fits = |masks: &Masks| masks.size == size && masks.layers.len() > lights as usize;
         if !self.masks.as_ref().is_some_and(fits) {
-            self.masks = Some(make(device, size, layers.next_power_of_two()));
+            self.masks = Some(make(device, size, lights.next_power_of_two() + 1));
         }
     }
 

@@ -77,6 +77,16 @@ pub fn convert_light(entity: &EntityRef) -> Option<(BevyLight, Light)> {
     ))
 }
 
+/// Returns the place of a Bevy rectangle for a [`Light`], which shines to the side of local −Z. Bevy shines along
+/// `up × right` whichever way Z points, so the Z axis of a mirrored transform is turned round.
+pub fn place_of_rect(transform: &GlobalTransform) -> GlobalTransform {
+    let mut affine = transform.affine();
+    if affine.matrix3.determinant() < 0.0 {
+        affine.matrix3.z_axis = -affine.matrix3.z_axis;
+    }
+    affine.into()
+}
+
 fn make(kind: LightKind, color: Color, intensity: f32, range: f32) -> Light {
     Light {
         kind,

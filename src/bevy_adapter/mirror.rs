@@ -7,7 +7,7 @@ use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::transform::components::GlobalTransform;
 
 use super::entity_map::EntityMap;
-use super::light_convert::BevyLight;
+use super::light_convert::{BevyLight, place_of_rect};
 use super::ranges::Level;
 use super::sync_models::remove_model;
 use super::view_state::ViewState;
@@ -161,8 +161,9 @@ impl Mirror {
         }
     }
 
-    /// Removes the light components for an entity of the game that is no managed light any more.
-    pub fn remove_light(&mut self, main: Entity, techniques: &Techniques) {
+    /// Removes the light components for an entity of the game that is no managed light any more. Returns whether
+    /// it was one. It must then be placed again, because rectangles have a place of their own.
+    pub fn remove_light(&mut self, main: Entity, techniques: &Techniques) -> bool {
         if let Some(mirrored) = self.map.get(main)
             && self.world.get::<HostLight>(mirrored).is_some()
         {
@@ -172,7 +173,9 @@ impl Mirror {
             }
             remove_model(&mut light);
             light.remove::<(Light, LightPath, LightSelection, HostLight)>();
+            return true;
         }
+        false
     }
 
     /// Whether an object of the game shows shadows.
@@ -200,17 +203,25 @@ impl Mirror {
         self.dirty.push(main);
     }
 
-    /// Moves the mirror's entity that stands for an entity of the game, if there is one.
+    /// Moves the mirror's entity that stands for an entity of the game, if there is one. A mirrored rectangle is
+    /// placed so that it shines to the side that Bevy lights.
     pub fn place(&mut self, main: Entity, transform: &GlobalTransform) {
         let Some(mirrored) = self.map.get(main) else {
             return;
         };
         let mut entity = self.world.entity_mut(mirrored);
+        let host = entity.get::<HostLight>();
+        let is_rect = host.is_some_and(|host| host.kind == BevyLight::Rect);
         if let Some(mut place) = entity.get_mut::<GlobalTransform>() {
-            if mirrors(&place) != mirrors(transform) {
+            // The place of a rectangle does not tell whether its transform mirrors.
+            if is_rect || mirrors(&place) != mirrors(transform) {
                 self.dirty.push(main);
             }
-            *place = *transform;
+            *place = if is_rect {
+                place_of_rect(transform)
+            } else {
+                *transform
+            };
         }
         if let Some(bounds) = entity.get::<HostBounds>().copied()
             && let Some(mut world) = entity.get_mut::<WorldBounds>()

@@ -38,7 +38,7 @@
 //! | alpha-masked and blended casters | maps leave out the holes, volumes and wedges do not (see below) |
 //! | [`Cell`](crate::scene::Cell), [`Portal`](crate::scene::Portal), [`InCells`](crate::scene::InCells), [`Occluder`](crate::scene::Occluder) | hide objects from lights and from the light passes of marked cameras; Bevy still draws every object |
 //! | negative and zero scales | meshes are drawn as Bevy draws them, and block light as they are drawn |
-//! | `RectLight` | its size is multiplied by its transform's scale, for light and shadow |
+//! | `RectLight` | its size is multiplied by its transform's scale, for light and shadow; where a scale mirrors it, it shines to the side that Bevy lights, and a mesh on the same entity casts as if it were mirrored along local Z |
 //! | `MainPassResolutionOverride` | shadows are computed in the part of the target in use |
 //! | [`LightClearance`](crate::sets::LightClearance), [`OcclusionSettings`](crate::sets::OcclusionSettings), [`MapSettings`](crate::techniques::maps::MapSettings) | resources of the game, which all marked cameras follow |
 //!
@@ -72,7 +72,8 @@
 //! through leaves and fences one of these techniques. Volumes and wedges are made of triangles, so under them
 //! such casters block light with their whole triangles; the log says so once for each material. A material
 //! whose whole surface is a hole casts nothing under every technique. Holes that another type of material cuts
-//! are not known to the adapter.
+//! are not known to the adapter. Maps follow a texture whose `Image` changes; pixels that the GPU writes into a
+//! texture are not noticed, and maps that are kept show its holes as they were.
 //!
 //! # Forward meshes
 //!
@@ -87,8 +88,8 @@
 //!   the root module. Other shaders keep Bevy's light.
 //! - The mesh is in the depth prepass (`enable_prepass`), because a mask belongs to the surface that is seen. Nor
 //!   is there a mask for the back of a mesh: materials with `diffuse_transmission` keep Bevy's light.
-//! - A view keeps 16 lights, in four bytes a pixel each. Further lights are lit without shadows. Views without
-//!   forward meshes keep nothing.
+//! - A view keeps 16 of the lights that light something in it, in four bytes a pixel each. Further lights are lit
+//!   without shadows. Views without forward meshes keep nothing.
 //!
 //! Forward meshes show the shape, the distances, the cookie and the profile of a light in 256 steps. Of a
 //! [`ShadowTint`](crate::scene::ShadowTint) they show darkness and colour, on highlights too, and a shadow is nowhere

@@ -14,7 +14,7 @@ use bevy::render::view::ExtractedView;
 use glam::UVec2;
 
 use super::draw_resources::{DrawResources, DrawnWith};
-use super::forward_masks::ForwardMasks;
+use super::forward_masks::{DARK_LAYER, ForwardMasks};
 use super::forward_views::{ForwardGroup, ForwardViews};
 use super::mirror::{Mirror, Mirrors};
 use super::pipelines::is_ready;
@@ -60,7 +60,15 @@ pub(super) fn prepare_views(
     lights: BevyLights,
     (mut surfaces, images): (ResMut<Surfaces>, Res<RenderAssets<GpuImage>>),
     forward: Res<ForwardViews>,
+    grouped: Query<(Entity, &MainEntity), With<ForwardGroup>>,
 ) {
+    // Also of cameras that are not active, which are not among the views. The group would keep the masks.
+    for (view, _) in grouped
+        .iter()
+        .filter(|(_, main)| mirrors.get(main.id()).is_none())
+    {
+        commands.entity(view).remove::<ForwardGroup>();
+    }
     let mut gpu = DrawnWith::of(&mut gpu);
     if !surfaces.cut_outs.is_empty()
         && mirrors.iter().next().is_some()
@@ -177,14 +185,9 @@ fn prepare_view(
     }
     prepare_lights(mirror, key, depth_stencil, gpu, lights);
     if mirror.view.keeps_masks {
-        let layers = mirror
-            .view
-            .draws
-            .iter()
-            .flatten()
-            .filter_map(|slot| slot.layer)
-            .count();
-        mirror.view.forward.resize(gpu.device, target, layers as u32);
+        let layers = mirror.view.draws.iter().flatten().filter_map(|slot| slot.layer);
+        let kept = layers.max().unwrap_or(DARK_LAYER);
+        mirror.view.forward.resize(gpu.device, target, kept);
     }
     is_ready(gpu.cache, base).then_some(AntumbraView { base })
 }

@@ -10,7 +10,7 @@ use bytemuck::Zeroable;
 use glam::{Vec3, Vec4};
 
 use super::draw_resources::DrawnWith;
-use super::forward_masks::MAX_LAYERS;
+use super::forward_masks::{DARK_LAYER, MAX_KEPT};
 use super::light_convert::BevyLight;
 use super::mirror::{HostLight, Mirror};
 use super::pipelines::{LightPipelines, VisibilitySource, is_ready};
@@ -40,7 +40,7 @@ pub(super) fn prepare_lights(
     view.unshadowed_in_view = visible.set.difference(&objects.receivers).next().is_some();
     let renderer = world.resource::<Renderer>();
     let mut managed = Managed::zeroed();
-    let mut layers = 0;
+    let mut kept = 0;
     view.unkept_lights = 0;
     view.layer_words.clear();
     view.draws.clear();
@@ -68,12 +68,16 @@ pub(super) fn prepare_lights(
                 ),
             ];
             let pipelines = pipelines_of(host.kind, key, depth_stencil, wanted, gpu)?;
-            let layer = (view.keeps_masks && layers < MAX_LAYERS).then_some(layers);
+            let layer = match active {
+                _ if !view.keeps_masks => None,
+                None => Some(DARK_LAYER),
+                Some(_) => (kept < MAX_KEPT).then_some(DARK_LAYER + 1 + kept),
+            };
             let lists = (&mut view.bit_words, &mut view.layer_words);
             if !manage(&mut managed, lists, host.kind, &draw, layer) {
                 return None;
             }
-            layers += u32::from(layer.is_some());
+            kept += u32::from(active.is_some() && layer.is_some());
             view.unkept_lights += u32::from(view.keeps_masks && layer.is_none());
             let offset = view.light_draws.push(&draw);
             Some(DrawSlot {

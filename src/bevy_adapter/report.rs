@@ -6,7 +6,7 @@ use bevy::ecs::world::EntityRef;
 use bevy::render::MainWorld;
 
 use super::cut_outs::CutOutCasters;
-use super::forward_masks::MAX_LAYERS;
+use super::forward_masks::MAX_KEPT;
 use super::light_convert::convert_light;
 use super::mirror::{HostEntity, Mirror, Mirrors};
 use super::refused::RefusedMeshes;
@@ -92,7 +92,7 @@ fn raise_views(mirrors: &Mirrors, own: &mut Reports) {
         if mirror.view.unkept_lights > 0 {
             round.raise(Some(camera), UNKEPT_LIGHTS, || {
                 format!(
-                    "Meshes that are drawn forward show the shadows of {MAX_LAYERS} lights only, and the camera has more. Give \
+                    "Meshes that are drawn forward show the shadows of {MAX_KEPT} lights only, and the camera has more. Give \
                      their materials a deferred shader, or use fewer lights with a technique."
                 )
             });

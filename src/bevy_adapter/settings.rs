@@ -9,7 +9,8 @@ use crate::techniques::TextureMemory;
 pub struct AntumbraSettings {
     /// Largest number of triangles of a mesh that is made ready in the frame in which it appears. Larger
     /// meshes are made ready on the threads of the `AsyncComputeTaskPool`; until then they are lit but cast
-    /// no shadow. Higher values make shadows appear sooner, but lengthen frames in which meshes appear.
+    /// no shadow, and those that changed cast the shadow of their last shape. Higher values make shadows
+    /// appear sooner, but lengthen frames in which meshes appear.
     /// `usize::MAX` waits for all meshes, which makes frames repeatable. Default: 2048.
     pub immediate_triangles: usize,
     /// Limit on the memory of the textures of all shadow techniques, bytes, for each camera with shadows. Beyond it, the

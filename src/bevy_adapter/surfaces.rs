@@ -12,7 +12,7 @@ use bevy::ecs::world::EntityRef;
 use bevy::image::Image;
 use bevy::material::AlphaMode as BevyAlphaMode;
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::render::Extract;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::Face;
@@ -70,11 +70,11 @@ pub struct Surfaces {
     /// Materials that are alpha-masked or blended.
     pub(super) cut_outs: HashMap<AssetId<StandardMaterial>, CutMaterial>,
     /// Materials with a texture that is not loaded yet.
-    unloaded: Vec<AssetId<StandardMaterial>>,
+    unloaded: HashSet<AssetId<StandardMaterial>>,
     /// Materials that got another texture on the device since the last frame was extracted.
     pub(super) renewed: Vec<AssetId<StandardMaterial>>,
     /// Materials whose surface changed in this frame.
-    changed: Vec<AssetId<StandardMaterial>>,
+    changed: HashSet<AssetId<StandardMaterial>>,
     one_sided: SceneMaterials,
     two_sided: SceneMaterials,
     seen_through: SceneMaterials,
@@ -96,9 +96,9 @@ impl Default for Surfaces {
         Self {
             known: HashMap::default(),
             cut_outs: HashMap::default(),
-            unloaded: Vec::new(),
+            unloaded: HashSet::default(),
             renewed: Vec::new(),
-            changed: Vec::new(),
+            changed: HashSet::default(),
             one_sided: material(AlphaMode::Opaque, false),
             two_sided: material(AlphaMode::Opaque, true),
             // A cutoff of 0 cuts nothing: how the surface is seen through is not known.
@@ -168,17 +168,15 @@ impl Surfaces {
         !self.changed.is_empty()
     }
 
+    /// Reads a material. Returns whether all its textures are loaded.
     fn look_at(
         &mut self,
         id: AssetId<StandardMaterial>,
         material: &StandardMaterial,
         images: &Assets<Image>,
-    ) {
+    ) -> bool {
         let cut = CutOut::of_material(material);
         let is_loaded = is_loaded(material, images);
-        if !is_loaded && !self.unloaded.contains(&id) {
-            self.unloaded.push(id);
-        }
         let surface = if !is_loaded || cut.is_some_and(|cut| cut.is_everywhere()) {
             Surface::NotDrawn
         } else {
@@ -192,14 +190,23 @@ impl Surfaces {
             };
         }
         if self.known.insert(id, surface) != Some(surface) || known_cut != cut {
-            self.changed.push(id);
+            self.changed.insert(id);
+        }
+        is_loaded
+    }
+
+    /// Marks the cut-outs whose texture is one of these images, whose pixels may have changed.
+    fn outdate(&mut self, images: &HashSet<AssetId<Image>>) {
+        for material in self.cut_outs.values_mut() {
+            let image = material.cut.image;
+            material.is_outdated |= image.is_some_and(|image| images.contains(&image));
         }
     }
 
     fn forget(&mut self, id: AssetId<StandardMaterial>) {
         self.cut_outs.remove(&id);
         if self.known.remove(&id).is_some() {
-            self.changed.push(id);
+            self.changed.insert(id);
         }
     }
 }
@@ -216,36 +223,48 @@ fn is_loaded(material: &StandardMaterial, images: &Assets<Image>) -> bool {
 }
 
 /// Reads the surfaces of materials that were added or changed, and of those whose textures were not loaded. A
-/// change of colour alone does not change the surface.
+/// change of colour alone does not change the surface. Cut-outs whose image changed take its texture anew.
 ///
 /// Runs in `ExtractSchedule`. Set: [`Collect`](super::AntumbraExtractSystems::Collect).
 pub(super) fn collect_surfaces(
     mut surfaces: ResMut<Surfaces>,
     mut events: Extract<MessageReader<AssetEvent<StandardMaterial>>>,
+    mut image_events: Extract<MessageReader<AssetEvent<Image>>>,
     materials: Extract<Res<Assets<StandardMaterial>>>,
     images: Extract<Res<Assets<Image>>>,
+    mut changed_images: Local<HashSet<AssetId<Image>>>,
 ) {
     let surfaces = &mut *surfaces;
     surfaces.changed.clear();
-    surfaces.changed.append(&mut surfaces.renewed);
+    surfaces.changed.extend(surfaces.renewed.drain(..));
+    changed_images.clear();
+    for event in image_events.read() {
+        if let AssetEvent::Added { id } | AssetEvent::Modified { id } = *event {
+            changed_images.insert(id);
+        }
+    }
+    if !changed_images.is_empty() {
+        surfaces.outdate(&changed_images);
+    }
     for event in events.read() {
         match *event {
             AssetEvent::Added { id } | AssetEvent::Modified { id } => {
-                if let Some(material) = materials.get(id) {
-                    surfaces.look_at(id, material, &images);
+                if let Some(material) = materials.get(id)
+                    && !surfaces.look_at(id, material, &images)
+                {
+                    surfaces.unloaded.insert(id);
                 }
             }
             AssetEvent::Removed { id } | AssetEvent::Unused { id } => surfaces.forget(id),
             AssetEvent::LoadedWithDependencies { .. } => {}
         }
     }
-    if !surfaces.unloaded.is_empty() {
-        for id in std::mem::take(&mut surfaces.unloaded) {
-            if let Some(material) = materials.get(id) {
-                surfaces.look_at(id, material, &images);
-            }
-        }
-    }
+    let mut unloaded = std::mem::take(&mut surfaces.unloaded);
+    unloaded.retain(|&id| {
+        let material = materials.get(id);
+        material.is_some_and(|material| !surfaces.look_at(id, material, &images))
+    });
+    surfaces.unloaded = unloaded; // keeps its allocation
 }
 
 #[cfg(test)]

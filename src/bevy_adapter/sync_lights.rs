@@ -119,7 +119,11 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
     let (true, Some((kind, converted)), Some(render_entity)) =
         (shines, convert_light(&light), light.get::<RenderEntity>())
     else {
-        mirror.remove_light(entity, techniques);
+        if mirror.remove_light(entity, techniques)
+            && let Some(transform) = light.get::<GlobalTransform>()
+        {
+            mirror.place(entity, transform);
+        }
         return;
     };
     let transform = light.get::<GlobalTransform>().copied().unwrap_or_default();
@@ -136,7 +140,8 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
     if target.get::<LightSelection>() != Some(&selection) {
         target.insert(selection);
     }
-    if target.get::<HostLight>() != Some(&host) {
+    let is_new = target.get::<HostLight>() != Some(&host);
+    if is_new {
         target.insert(host);
     }
     for row in techniques.rows() {
@@ -144,4 +149,7 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
     }
     copy_part::<LightPath>(&light, &mut target);
     copy_model(&light, &mut target);
+    if is_new {
+        mirror.place(entity, &transform);
+    }
 }

@@ -111,7 +111,7 @@ pub(super) fn sync_objects(
         dirty.extend(uses.map(|(entity, _)| entity));
     }
     if !library.changed().is_empty() {
-        let uses = |&(_, mesh): &(Entity, &Mesh3d)| library.changed().contains(&mesh.0.id());
+        let uses = |&(_, mesh): &(Entity, &Mesh3d)| library.has_changed(mesh.0.id());
         dirty.extend(all.iter().filter(uses).map(|(entity, _)| entity));
         let is_refused = |mesh| matches!(library.get(mesh), Some(MeshEntry::Refused(_)));
         refused.resolve(library.changed(), is_refused);
@@ -181,7 +181,7 @@ fn sync_object(
             refused.insert(mesh.0.id(), mesh.0.path(), entity, *refusal);
             None
         }
-        Some(MeshEntry::Building(_)) | None => None,
+        Some(MeshEntry::Building) | None => None,
     };
     let mirrored = mirror.get_or_spawn(entity, transform);
     match ready {
@@ -209,10 +209,10 @@ fn sync_object(
         && surface != Surface::NotDrawn
         && !object.contains::<NotShadowCaster>();
     set_part(&mut target, object.get::<BlurredGround>().copied());
-    // Bevy measures other meshes itself.
-    let given = object
-        .get::<BevyAabb>()
-        .filter(|_| object.contains::<NoAutoAabb>());
+    // Bevy measures other meshes itself. While a later shape is not ready but drawn, only Bevy's bounds hold it.
+    let is_outdated = ready.is_some() && game.library.is_building(mesh.0.id());
+    let counts = is_outdated || object.contains::<NoAutoAabb>();
+    let given = object.get::<BevyAabb>().filter(|_| counts);
     set_part(&mut target, given.map(|aabb| ExtraBounds(converted(aabb))));
     set(&mut target, ShadowCaster, casts);
     if casts && material.is_some_and(|material| game.surfaces.is_cut_out(material)) {

@@ -68,7 +68,7 @@ pub struct DrawSlot {
     pub offset: u32,
     /// Pipelines of the light's kind.
     pub pipelines: LightPipelines,
-    /// Layer in which the light's visibility is kept for forward meshes, if they read it.
+    /// Layer with the light's visibility for forward meshes, if they read it and there is room.
     pub layer: Option<u32>,
 }
 
@@ -136,7 +136,8 @@ pub struct ViewState {
     pub forward: ForwardMasks,
     /// Whether the view keeps its lights' visibility in this frame.
     pub keeps_masks: bool,
-    /// Number of managed lights whose visibility the view cannot keep, because there are too many.
+    /// Number of managed lights that light something in view and whose visibility the view cannot keep, because
+    /// there are too many.
     pub unkept_lights: u32,
     /// Bind groups of the view. They are made while the view is drawn; the mutex allows this although the
     /// mirror is only read then.

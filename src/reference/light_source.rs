@@ -114,7 +114,7 @@ impl LightSource {
         };
         let position = Vec3::from(affine.translation).as_dvec3();
         let direction = || -> Result<DVec3, LightError> {
-            let direction = light_direction(world_from_light).ok_or(LightError::Transform)?;
+            let direction = light_direction(light.kind, world_from_light).ok_or(LightError::Transform)?;
             Ok(direction.as_dvec3().normalize())
         };
         let shape = match light.kind {

@@ -9,7 +9,7 @@ use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DVec4, Vec3, Vec3A};
 
 /// A light, placed by its `GlobalTransform`: it sits at the origin of its local space and shines along local
-/// −Z. Scale is ignored.
+/// −Z. Scale is ignored. A transform with shear does not tilt the light of a rectangle against its plane.
 ///
 /// A light whose numbers are not usable ([`Light::validate`]) lights nothing and is counted as skipped.
 #[derive(Component, Clone, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub enum LightKind {
     },
     /// The light comes from infinity, parallel along −Z.
     Directional,
-    /// The light shines from a rectangle in the local XY plane, to its −Z side.
+    /// The light shines from a rectangle in the local XY plane, at right angles to that plane and to its −Z side.
     Rect {
         /// Size of the rectangle along local X, metres; at least 0.
         width: f32,
@@ -176,7 +176,7 @@ impl Light {
     /// [`LightError::Transform`] if the point is not finite, or a directional light has no direction.
     pub fn point_world(&self, world_from_light: &GlobalTransform) -> Result<DVec4, LightError> {
         let point = if self.kind == LightKind::Directional {
-            let towards = -light_direction(world_from_light).ok_or(LightError::Transform)?;
+            let towards = -light_direction(self.kind, world_from_light).ok_or(LightError::Transform)?;
             towards.as_dvec3().normalize().extend(0.0)
         } else {
             world_from_light.translation().as_dvec3().extend(1.0)
@@ -189,16 +189,24 @@ impl Light {
     }
 }
 
-/// Unit direction of local −Z in world space. A transform that is flat along Z alone faces where its other axes say. `None`
-/// if it flattens more, or is not finite.
-pub fn light_direction(world_from_light: &GlobalTransform) -> Option<Vec3> {
+/// Unit direction in which a light of this kind shines, in world space: local −Z. A rectangle shines at right angles to its
+/// plane, to the side of local −Z; a transform with shear makes these differ. A transform that is flat along Z alone faces
+/// where its other axes say. `None` if it flattens more, or is not finite.
+pub fn light_direction(kind: LightKind, world_from_light: &GlobalTransform) -> Option<Vec3> {
     let matrix = world_from_light.affine().matrix3;
-    let back = if matrix.z_axis == Vec3A::ZERO {
-        matrix.x_axis.cross(matrix.y_axis)
+    let is_flat = matrix.z_axis == Vec3A::ZERO;
+    let back = if is_flat || matches!(kind, LightKind::Rect { .. }) {
+        let unit = |axis: Vec3A| Vec3::from(axis).try_normalize();
+        let normal = unit(matrix.x_axis)?.cross(unit(matrix.y_axis)?);
+        if matrix.determinant() < 0.0 {
+            -normal
+        } else {
+            normal
+        }
     } else {
-        matrix.z_axis
+        matrix.z_axis.into()
     };
-    (-Vec3::from(back)).try_normalize()
+    (-back).try_normalize()
 }
 
 #[cfg(test)]
@@ -209,11 +217,46 @@ mod tests {
     #[test]
     fn a_light_of_a_flat_node_faces_where_it_did() {
         let turned = Transform::from_rotation(Quat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.0));
-        let direction = |scale| light_direction(&GlobalTransform::from(turned.with_scale(scale)));
+        let direction = |scale| {
+            light_direction(
+                LightKind::Directional,
+                &GlobalTransform::from(turned.with_scale(scale)),
+            )
+        };
         let usual = direction(Vec3::ONE).expect("it has one");
         let flat = direction(Vec3::new(2.0, 0.5, 0.0)).expect("x and y are left");
         assert!(usual.distance(flat) < 1e-6, "{usual} {flat}");
         assert_eq!(direction(Vec3::new(0.0, 1.0, 0.0)), None);
         assert_eq!(direction(Vec3::NAN), None);
+    }
+
+    #[test]
+    fn a_rectangle_shines_at_right_angles_to_its_plane() {
+        const RECT: LightKind = LightKind::Rect {
+            width: 1.0,
+            height: 1.0,
+        };
+        let turned = GlobalTransform::from(Transform::from_rotation(Quat::from_rotation_y(0.8)));
+        for scale in [
+            Vec3::ONE,
+            Vec3::new(2.0, 1.0, 1.0),
+            Vec3::new(1.0, 3.0, 0.5),
+            Vec3::new(-1.0, 1.0, 1.0),
+            Vec3::new(2.0, -1.0, 1.0),
+            Vec3::new(1.0, 1.0, -4.0),
+        ] {
+            let parent = GlobalTransform::from(Transform::from_scale(scale));
+            let place = parent * turned;
+            let matrix = place.affine().matrix3;
+            let direction = light_direction(RECT, &place).expect("it has one");
+            for side in [matrix.x_axis, matrix.y_axis] {
+                let along = direction.dot(side.into());
+                assert!(along.abs() < 1e-6, "{scale}: {direction} along {side}");
+            }
+            let front = -Vec3::from(matrix.z_axis);
+            assert!(direction.dot(front) > 0.1, "{scale}: {direction} before {front}");
+        }
+        let flat = GlobalTransform::from(Transform::from_scale(Vec3::new(0.0, 1.0, 1.0)));
+        assert_eq!(light_direction(RECT, &flat), None);
     }
 }

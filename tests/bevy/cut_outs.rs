@@ -20,15 +20,14 @@ fn halves(hole_at_right: bool) -> Image {
         depth_or_array_layers: 1,
     };
     let format = TextureFormat::Rgba8UnormSrgb;
-    let mut image = Image::new(
+    // With the default sampler: if only the pixels change, Bevy keeps the texture, its view and its sampler.
+    Image::new(
         size,
         TextureDimension::D2,
         texels.concat(),
         format,
         RenderAssetUsages::default(),
-    );
-    image.sampler = bevy::image::ImageSampler::nearest();
-    image
+    )
 }
 
 struct Scene {
@@ -122,7 +121,7 @@ fn maps_show_the_holes_of_bevys_textures() {
     let world = scene.game.world();
     world.despawn(half);
     world.entity_mut(card).insert(Visibility::Inherited);
-    // The texture is exchanged, then flipped.
+    // The pixels are exchanged, then the texture is flipped.
     let world = scene.game.world();
     world
         .resource_mut::<Assets<Image>>()

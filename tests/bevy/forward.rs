@@ -298,3 +298,78 @@ fn forward_meshes_show_shape_cookie_and_tint_of_a_light() {
     let count = filled.count();
     assert!(count > 50, "{count} pixels show light in the shadow");
 }
+
+#[test]
+fn lights_that_light_nothing_leave_the_masks_to_others() {
+    let mut game = harness::dark_game();
+    let world = game.world();
+    let camera = harness::marked_camera(world, EYE);
+    let material = forward(world);
+    let floor = Plane3d::default().mesh().size(6.0, 6.0);
+    let floor = harness::add_mesh(world, floor, Transform::default());
+    world.entity_mut(floor).insert(material);
+    let cube = Cuboid::from_length(1.0);
+    let cube = harness::add_mesh(world, cube, Transform::from_xyz(0.0, 0.9, 0.0));
+    let mut add = |affects: u32, at: Vec3| {
+        let light = PointLight {
+            intensity: 300_000.0,
+            ..default()
+        };
+        let selection = LightSelection { affects, ..default() };
+        let place = Transform::from_translation(at);
+        world
+            .spawn((light, StencilVolume::default(), selection, place))
+            .id()
+    };
+    let idle: Vec<Entity> = (0..20)
+        .map(|i| add(0, Vec3::new(0.2 * i as f32 - 2.0, 3.0, 1.0)))
+        .collect();
+    add(u32::MAX, Vec3::new(1.0, 4.0, 1.0));
+    let among_idle = game.run(4).settled(camera);
+    let reports = game
+        .world()
+        .resource::<Reports>()
+        .iter()
+        .filter(|report| report.message.contains("16 lights"));
+    assert_eq!(reports.count(), 0);
+    for light in idle {
+        game.world().despawn(light);
+    }
+    let alone = game.run(3).settled(camera);
+    assert_eq!(among_idle.difference(&alone).channels, 0);
+    game.world().entity_mut(cube).insert(NotShadowCaster);
+    let lit = game.run(3).settled(camera);
+    let shadow = lit.difference(&alone).channels;
+    assert!(shadow > 100, "{shadow} channels");
+}
+
+#[test]
+fn masks_go_with_the_mirror_of_their_camera() {
+    let mut game = harness::game();
+    let world = game.world();
+    let camera = harness::marked_camera(world, EYE);
+    let material = forward(world);
+    let cube = harness::add_mesh(world, Cuboid::from_length(1.0), Transform::default());
+    world.entity_mut(cube).insert(material);
+    harness::add_light(world);
+    let groups = |game: &mut Game, frames: usize| {
+        let world = game.run(frames).render_world();
+        world
+            .query::<&antumbra::insides::ForwardGroup>()
+            .iter(world)
+            .count()
+    };
+    assert_eq!(groups(&mut game, 4), 1);
+    game.world().entity_mut(camera).remove::<AntumbraCamera>();
+    assert_eq!(groups(&mut game, 3), 0, "the camera is not marked");
+    game.world().entity_mut(camera).insert(AntumbraCamera);
+    assert_eq!(groups(&mut game, 4), 1);
+    let set_active = |game: &mut Game, is_active: bool| {
+        let mut camera = game.world().get_mut::<Camera>(camera).expect("a camera");
+        camera.is_active = is_active;
+    };
+    set_active(&mut game, false);
+    assert_eq!(groups(&mut game, 130), 0, "the camera rests");
+    set_active(&mut game, true);
+    assert_eq!(groups(&mut game, 4), 1);
+}

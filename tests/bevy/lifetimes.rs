@@ -116,6 +116,67 @@ fn meshes_are_made_ready_on_other_threads() {
 }
 
 #[test]
+fn a_mesh_that_changes_in_every_frame_casts() {
+    use antumbra::bevy_adapter::MeshLibrary;
+    use antumbra::scene::{SceneMesh, ShadowCaster, WorldBounds};
+
+    let mut game = harness::game();
+    let world = game.world();
+    world.insert_resource(AntumbraSettings {
+        immediate_triangles: 0,
+        ..default()
+    });
+    let camera = harness::unseen_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    let cube = harness::add_mesh(world, Cuboid::from_length(1.0), Transform::default());
+    harness::add_light(world);
+    let mesh = world.get::<Mesh3d>(cube).expect("a mesh").0.clone();
+    // Changes the mesh, and returns whether it casts in that frame, with the top of its bounds and of what casts.
+    let step = |game: &mut Game, size: f32| {
+        let mut meshes = game.world().resource_mut::<Assets<Mesh>>();
+        let changed = Cuboid::from_length(size).into();
+        meshes.insert(mesh.id(), changed).expect("the mesh is there");
+        game.run(1);
+        let mirrors = game.render_world().resource::<Mirrors>();
+        let mirror = mirrors.get(camera).expect("a mirror");
+        let object = mirror.world.entity(mirror.get(cube).expect("it is mirrored"));
+        let top = |mesh: &SceneMesh| mesh.0.positions.iter().fold(0.0_f32, |top, at| top.max(at.y));
+        (
+            object.contains::<ShadowCaster>(),
+            object.get::<WorldBounds>().expect("it has bounds").0.max.y,
+            object.get::<SceneMesh>().map(top),
+        )
+    };
+    let casts = |frame: usize| {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        step(&mut game, 1.0 + frame as f32 * 1e-3).0
+    };
+    assert!((0..500).any(casts), "it never casts");
+    for frame in 0..50 {
+        assert!(step(&mut game, 1.0 + frame as f32 * 1e-3).0, "frame {frame}");
+    }
+    // What is drawn is lit at once, even if the new shape is not ready.
+    step(&mut game, 3.0);
+    let (_, top, _) = step(&mut game, 3.0);
+    assert!(top >= 1.5, "{top}");
+    // The last shape is built, too.
+    let is_idle = |game: &mut Game| game.world().resource::<MeshLibrary>().building() == 0;
+    step(&mut game, 2.0);
+    for _ in 0..500 {
+        if is_idle(&mut game) {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        game.run(1);
+    }
+    assert!(is_idle(&mut game), "it is never ready");
+    let mirrors = game.run(1).render_world().resource::<Mirrors>();
+    let mirror = mirrors.get(camera).expect("a mirror");
+    let object = mirror.world.entity(mirror.get(cube).expect("it is mirrored"));
+    let bounds = object.get::<WorldBounds>().expect("it has bounds");
+    assert_eq!(bounds.0.max.y, 1.0);
+}
+
+#[test]
 fn a_target_may_shrink_to_nothing_and_grow_again() {
     let mut game = harness::game();
     let camera = scene(game.world());

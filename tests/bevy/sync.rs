@@ -89,7 +89,9 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut fastrand::Rng) {
     let either = if random.usize(..2) == 0 { object } else { light };
     match random.usize(..16) {
         0 => {
-            world.entity_mut(either).insert(place(random));
+            let mut place = place(random);
+            place.scale.x = if random.bool() { 1.0 } else { -1.0 };
+            world.entity_mut(either).insert(place);
         }
         1 => {
             world.entity_mut(either).insert(Visibility::Hidden);

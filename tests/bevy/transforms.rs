@@ -150,6 +150,78 @@ fn rectangles_cast_with_the_size_that_bevy_shades() {
     assert_eq!(game.run(2).settled(camera).difference(&small).channels, 0);
 }
 
+/// Whatever mirrors or shears a panel, it lights what Bevy lights, and shadows it.
+#[test]
+fn rectangles_shine_to_the_side_that_bevy_lights() {
+    let mut game = harness::dark_game();
+    let world = game.world();
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 5.0));
+    let floor = Plane3d::default().mesh().size(12.0, 12.0);
+    harness::add_mesh(world, floor, Transform::default());
+    let cube = Cuboid::from_length(0.8);
+    let cube = harness::add_mesh(world, cube, Transform::from_xyz(0.0, 0.9, 0.0));
+    let above = Transform::from_xyz(0.0, 4.0, 0.0);
+    let parent = world.spawn((above, Visibility::default())).id();
+    let panel = RectLight {
+        intensity: 800_000.0,
+        ..default()
+    };
+    let light = world.spawn((panel, ChildOf(parent))).id();
+    let none = Transform::IDENTITY;
+    let [down, up] = [-1.0, 1.0].map(|side| Quat::from_rotation_x(side * std::f32::consts::FRAC_PI_2));
+    let oblique = Transform::from_rotation(Quat::from_rotation_y(0.8));
+    let cases = [
+        (
+            "X is mirrored",
+            above,
+            none.with_rotation(up).with_scale(Vec3::new(-1.0, 1.0, 1.0)),
+        ),
+        (
+            "Z is mirrored",
+            above,
+            none.with_rotation(down).with_scale(Vec3::new(1.0, 1.0, -1.0)),
+        ),
+        (
+            "the parent is mirrored",
+            above.with_scale(Vec3::new(-1.0, 1.0, 1.0)),
+            none.with_rotation(up),
+        ),
+        (
+            "it is sheared",
+            above.with_rotation(down).with_scale(Vec3::new(2.0, 1.0, 1.0)),
+            oblique,
+        ),
+        (
+            "both",
+            above.with_rotation(up).with_scale(Vec3::new(-2.0, 1.0, 1.0)),
+            oblique,
+        ),
+        ("neither", above, none.with_rotation(down)),
+    ];
+    for (case, of_parent, of_light) in cases {
+        let world = game.world();
+        world.entity_mut(parent).insert(of_parent);
+        world.entity_mut(light).insert(of_light).remove::<PenumbraWedge>();
+        let bevys = game.run(3).settled(camera);
+        bevys.save(case);
+        let lit = bevys
+            .texels
+            .iter()
+            .filter(|texel| texel[1] > half::f16::ZERO)
+            .count();
+        assert!(lit > 1000, "{case}: Bevy lights {lit} pixels");
+        let world = game.world();
+        world.entity_mut(cube).insert(NotShadowCaster);
+        world.entity_mut(light).insert(PenumbraWedge::default());
+        let ours = game.run(3).settled(camera);
+        let difference = ours.difference(&bevys);
+        assert!(difference.steps < 3, "{case}, nothing casts: {difference:?}");
+        game.world().entity_mut(cube).remove::<NotShadowCaster>();
+        let shadow = darker(&game.run(3).settled(camera), &ours);
+        assert!(shadow > 20, "{case}: a shadow of {shadow} pixels");
+    }
+}
+
 /// Two panels at one place that shine to opposite sides, as a panel that shines to both sides is made.
 #[test]
 fn panels_at_one_place_are_told_apart() {

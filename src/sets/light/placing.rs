@@ -55,7 +55,7 @@ pub(super) fn place(
 ) -> Result<Placed, LightError> {
     light.validate()?;
     let point = light.point_world(world_from_light)?;
-    let direction = light::light_direction(world_from_light);
+    let direction = light::light_direction(light.kind, world_from_light);
     let needs_direction = !matches!(light.kind, LightKind::Point | LightKind::Sphere { .. });
     let direction = match direction {
         Some(direction) => direction,
