@@ -6,6 +6,8 @@ use glam::Vec3;
 use super::frame_light::{FrameLight, LightScratch};
 use super::illumination::showing;
 use crate::geometry::{Aabb, LightHull};
+use crate::sets::index::boxes::WORD;
+use crate::sets::index::clusters::bits_of;
 use crate::sets::index::objects::Objects;
 use crate::sets::view::visible_parts::VisibleParts;
 
@@ -30,10 +32,17 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
     boxes.clear();
     let words = words_of_s(light);
     let reach = light.lit.aabb();
-    let shows = |&object: &usize| objects.layers[object] & light.selection.shows_on != 0;
-    let receivers = || light.sets.i.intersection(&objects.receivers).filter(shows);
-    let lit = receivers().map(|receiver| parts.get(objects, receiver).intersection(reach));
-    let count = receivers().count();
+    let words_showing = || {
+        let touched = light.scratch.touched.ones();
+        touched
+            .map(|word| (word, showing(light, objects, word)))
+            .filter(|(_, receivers)| *receivers != 0)
+    };
+    let lit = words_showing()
+        .flat_map(|(word, receivers)| bits_of(receivers).map(move |bit| word * WORD + bit))
+        .map(|receiver| parts.get(objects, receiver).intersection(reach));
+    let counts = words_showing().map(|(_, receivers)| receivers.count_ones() as usize);
+    let count: usize = counts.sum();
     if count <= FEW || (count <= MANY && count * words <= MAX_TESTS) {
         // Capacity grows in two steps, so that frames soon allocate nothing.
         boxes.reserve(if count <= FEW { FEW } else { MANY });
@@ -42,12 +51,7 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
         join(lit, &light.region.receiver_bounds, &mut boxes);
     } else {
         // Neighbours share a word, and thus a box.
-        let words = light
-            .scratch
-            .touched
-            .ones()
-            .filter(|&word| showing(light, objects, word) != 0);
-        let lit = words.map(|word| objects.clusters.words.get(word).intersection(reach));
+        let lit = words_showing().map(|(word, _)| objects.clusters.words.get(word).intersection(reach));
         join(lit, &light.region.receiver_bounds, &mut boxes);
     }
     light.region.lit_receivers = boxes;
