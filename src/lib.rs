@@ -98,6 +98,8 @@ pub struct Readme;
 pub mod insides {
     #[cfg(feature = "render")]
     pub use crate::render::frame::prepare::{prepare_objects, prepare_techniques};
+    #[cfg(feature = "render")]
+    pub use crate::scene::srgb::linear_from_srgb;
     /// Rust mirrors of all WGSL structs except those of penumbra wedges.
     #[cfg(feature = "render")]
     pub mod gpu_types {

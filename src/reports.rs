@@ -35,10 +35,25 @@ pub struct Report {
     pub topic: &'static str,
     /// Entity that the report is about; `None` if it is about the frame or the device.
     pub entity: Option<Entity>,
-    /// Number of the fault within its topic. A report whose code changes is new.
+    /// Number of the fault within its topic, often that of a kind of fault, or one by [`code_of`]. A report whose
+    /// code changes is new.
     pub code: u32,
     /// One or two sentences that say what is wrong and what to do about it.
     pub message: String,
+}
+
+/// Returns the code of a fault of a named thing, like a setting or a mesh. With it, a fault of another thing is new, even if it
+/// is of the same `kind` and about the same entity.
+///
+/// Codes of names are 2³¹ or greater. Two names hardly ever have the same.
+///
+/// Source: Fowler, Noll & Vo 1991, the hash FNV-1a.
+pub fn code_of(kind: u32, name: &str) -> u32 {
+    let bytes = kind.to_le_bytes().into_iter().chain(name.bytes());
+    let hash = bytes.fold(0x811c_9dc5_u32, |hash, byte| {
+        (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+    });
+    hash | (1 << 31)
 }
 
 /// Everything that is wrong now, sorted by topic, entity and code. The set `PrepareGpu` writes it.
@@ -187,8 +202,8 @@ pub struct Round<'a> {
 }
 
 impl Round<'_> {
-    /// Raises a report whose message stays the same while its code does. The message is built only if the
-    /// report is new.
+    /// Raises a report whose message stays the same while its entity and code do. The message is built only if the
+    /// report is new. A message with a value that may change goes through [`Round::state`], or an old value stays in it.
     ///
     /// An entity has one report of the topic for each code that is raised in the frame.
     pub fn raise(&mut self, entity: Option<Entity>, code: u32, message: impl FnOnce() -> String) {
@@ -208,7 +223,8 @@ impl Round<'_> {
     }
 
     /// Raises a report whose message holds numbers that may change. The message is updated, and a change of
-    /// its numbers alone does not make the report new.
+    /// its numbers alone does not make the report new. If the message names a thing that may become another, take its
+    /// code from [`code_of`], so that a fault of the other is new.
     pub fn state(&mut self, entity: Option<Entity>, code: u32, message: fmt::Arguments<'_>) {
         self.reports.state(self.topic, entity, code, message);
     }
@@ -266,6 +282,29 @@ mod tests {
         reports.round("mesh").state(None, 0, format_args!("3 bytes"));
         assert_eq!(reports.drain_new().count(), 0);
         assert_eq!(reports.iter().next().unwrap().message, "3 bytes");
+    }
+
+    #[test]
+    fn a_fault_of_another_name_is_new() {
+        let mut reports = Reports::default();
+        let mut is_new = |kind: u32, name: &str| {
+            let message = format_args!("{name} is wrong");
+            reports.round("mesh").state(None, code_of(kind, name), message);
+            let is_new = reports.drain_new().count() == 1;
+            assert_eq!(reports.iter().count(), 1);
+            is_new
+        };
+        let steps = [
+            (1, "near"),
+            (1, "near"),
+            (1, "softness"),
+            (2, "softness"),
+            (1, "near"),
+        ];
+        assert_eq!(
+            steps.map(|(kind, name)| is_new(kind, name)),
+            [true, false, true, true, true]
+        );
     }
 
     #[test]

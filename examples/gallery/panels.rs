@@ -1,6 +1,7 @@
 //! Turns visibility into pictures, and makes pictures smaller.
 
 use antumbra::conventions::RADIANCE_MAX;
+use antumbra::insides::linear_from_srgb;
 use antumbra::reference::{VisibilityImage, edge_band};
 use glam::{UVec2, Vec3};
 
@@ -92,7 +93,7 @@ fn pbr_neutral(radiance: Vec3) -> Vec3 {
 pub fn reduce(size: UVec2, rgba8: &[u8], reduced: UVec2) -> Vec<u8> {
     let columns = covered(size.x, reduced.x);
     let rows = covered(size.y, reduced.y);
-    let light: [f32; 256] = std::array::from_fn(|byte| linear(byte as u8));
+    let light: [f32; 256] = std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0));
     let mut out = Vec::with_capacity(4 * reduced.element_product() as usize);
     for row in &rows {
         for column in &columns {
@@ -141,15 +142,6 @@ pub fn side_by_side(size: UVec2, pictures: &[&[u8]], gap: u32) -> (UVec2, Vec<u8
         }
     }
     (total, out)
-}
-
-fn linear(byte: u8) -> f32 {
-    let value = f32::from(byte) / 255.0;
-    if value <= 0.04045 {
-        value / 12.92
-    } else {
-        ((value + 0.055) / 1.055).powf(2.4)
-    }
 }
 
 fn encoded(value: f32) -> u8 {

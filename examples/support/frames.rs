@@ -20,6 +20,8 @@ pub struct Rendered {
     pub visibility: Vec<Vec<f32>>,
     /// GPU times of the passes; empty if the device has no timers.
     pub pass_times: Vec<PassTime>,
+    /// Number of passes too many to be timed.
+    pub untimed_passes: usize,
 }
 
 impl Rendered {
@@ -30,6 +32,7 @@ impl Rendered {
             radiance: Vec::new(),
             visibility: vec![Vec::new(); lights],
             pass_times: Vec::new(),
+            untimed_passes: 0,
         }
     }
 }
@@ -69,6 +72,7 @@ impl Stage {
             } else {
                 Vec::new()
             },
+            untimed_passes: renderer.timings().untimed(),
         })
     }
 

@@ -4,6 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
+use antumbra::insides::linear_from_srgb;
 use antumbra::techniques::penumbra_wedge::{EmitterTexture, LightTexture};
 use glam::{UVec2, Vec3};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -153,14 +154,7 @@ pub fn light_texture(path: &Path) -> Result<EmitterTexture, String> {
         loaded
     };
     let picture = picture.to_rgb8();
-    let linear = |byte: u8| {
-        let value = f32::from(byte) / 255.0;
-        if value <= 0.04045 {
-            value / 12.92
-        } else {
-            ((value + 0.055) / 1.055).powf(2.4)
-        }
-    };
+    let linear = |byte: u8| linear_from_srgb(f32::from(byte) / 255.0);
     let texels = picture
         .pixels()
         .map(|texel| Vec3::from_array(texel.0.map(linear)));

@@ -115,6 +115,7 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         "load_ms": stage.load_time.as_secs_f64() * 1e3,
         "cpu_ms": cpu,
         "gpu_ms": gpu,
+        "gpu_untimed_passes": rendered.untimed_passes,
     });
     with_statistics(stats, &of_techniques)
 }

@@ -6,7 +6,7 @@ use bevy::mesh::Mesh;
 use bevy::platform::collections::HashMap;
 
 use super::mesh_convert::MeshRefusal;
-use crate::reports::Reports;
+use crate::reports::{Reports, code_of};
 
 /// Meshes that are in use but cannot cast shadows, each with the reason. The resource is in the render world.
 #[derive(Resource, Debug, Default)]
@@ -60,24 +60,25 @@ impl RefusedMeshes {
     pub(super) fn raise(&self, reports: &mut Reports) {
         let mut round = reports.round("mesh");
         for Refused { why, user, name } in self.entries.values() {
-            let (code, advice) = advice(why);
-            round.raise(Some(*user), code, || {
-                format!("The mesh {name} casts no shadow of ours: {why}. {advice}")
-            });
+            let (kind, advice) = advice(why);
+            round.state(
+                Some(*user),
+                code_of(kind, name),
+                format_args!("The mesh {name} casts no shadow of ours: {why}. {advice}"),
+            );
         }
     }
 }
 
-/// Returns the report code of a refusal, and advice on how to mend it. Codes start at 10, because the
-/// renderer uses lower codes of the same topic.
+/// Returns the kind of a refusal, and advice on how to mend it.
 fn advice(why: &MeshRefusal) -> (u32, &'static str) {
     match why {
-        MeshRefusal::RenderWorldOnly => (10, "Load it with `RenderAssetUsages::default()`."),
-        MeshRefusal::NoPositions => (11, "Give it positions of three 32-bit floats."),
+        MeshRefusal::RenderWorldOnly => (1, "Load it with `RenderAssetUsages::default()`."),
+        MeshRefusal::NoPositions => (2, "Give it positions of three 32-bit floats."),
         MeshRefusal::NotTriangles(_) => (
-            12,
+            3,
             "Use `PrimitiveTopology::TriangleList`, or add `NotShadowCaster` to the entity.",
         ),
-        MeshRefusal::Index { .. } => (13, "Repair the triangle's indices, or add the vertices."),
+        MeshRefusal::Index { .. } => (4, "Repair the triangle's indices, or add the vertices."),
     }
 }

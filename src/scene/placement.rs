@@ -50,6 +50,18 @@ impl PlacementItem<'_, '_> {
     }
 }
 
+/// The matrix in `f64` that an entity is drawn and casts with; `None` for one that is left out. It is
+/// [`PlacementItem::world_from_local`], for code that has the world instead of a query.
+pub fn world_from_local(world: &World, entity: Entity) -> Option<DMat4> {
+    let transform = world.get::<GlobalTransform>(entity)?;
+    let is_skinned = world.get::<Skin>(entity).is_some();
+    PlacementItem {
+        transform,
+        is_skinned,
+    }
+    .world_from_local()
+}
+
 /// The matrix that an object with this transform is drawn and casts with; `None` for one that is left out.
 pub fn placed(transform: &GlobalTransform, is_skinned: bool) -> Option<Affine3A> {
     let affine = transform.affine();

@@ -48,7 +48,7 @@ pub fn pose_meshes(
                 let own_moved = own_transform.as_ref().is_some_and(|own| own.is_changed());
                 skin.is_changed() || own_moved || skin.joints.iter().any(is_moved)
             })
-            || posed.positions.len() != data.positions.len()
+            || !posed.is_whole(data.positions.len())
             || relaxed.contains(&entity);
         if !needs_pose {
             continue;
@@ -57,7 +57,7 @@ pub fn pose_meshes(
             let own = own_transform.as_deref().copied().unwrap_or_default();
             let joint_transform = |joint: Entity| transforms.get(joint).ok().map(|joint| *joint);
             if !collect_joint_matrices(skin, &own, joint_transform, &mut local_from_bind) {
-                if posed.positions.len() != data.positions.len() {
+                if !posed.is_whole(data.positions.len()) {
                     copy_rest_pose(data, &mut posed);
                 }
                 continue;

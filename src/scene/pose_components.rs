@@ -40,3 +40,10 @@ pub struct PosedMesh {
     /// has none.
     pub tangents: Vec<Vec4>,
 }
+
+impl PosedMesh {
+    /// Whether the pose has a position for each vertex of a mesh. Until then the mesh itself counts.
+    pub(crate) fn is_whole(&self, vertex_count: usize) -> bool {
+        self.positions.len() == vertex_count
+    }
+}

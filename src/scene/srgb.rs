@@ -1,4 +1,4 @@
-//! The transfer function of sRGB for bytes, by tables.
+//! The transfer function of sRGB, for bytes by tables.
 //!
 //! Source: IEC 61966-2-1.
 
@@ -87,7 +87,11 @@ impl Encoder {
 }
 
 fn decode_by_formula(byte: u8) -> f32 {
-    let encoded = f32::from(byte) / 255.0;
+    linear_from_srgb(f32::from(byte) / 255.0)
+}
+
+/// The linear value of an encoded one, 0..=1.
+pub fn linear_from_srgb(encoded: f32) -> f32 {
     if encoded <= 0.04045 {
         encoded / 12.92
     } else {

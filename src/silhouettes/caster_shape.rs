@@ -31,8 +31,8 @@ impl CasterShapeItem<'_, '_> {
 
     /// Returns the pose if it has a position for every vertex.
     fn whole_pose(&self) -> Option<(&PosedMesh, &PosedPlanes)> {
-        let is_whole = |posed: &PosedMesh| posed.positions.len() >= self.edges.0.edges.vertex_count();
-        self.posed.filter(|(posed, _)| is_whole(posed))
+        let vertex_count = self.edges.0.edges.vertex_count();
+        self.posed.filter(|(posed, _)| posed.is_whole(vertex_count))
     }
 
     /// Returns the positions of the caster's vertices, local space. They are those of the pose if it has a

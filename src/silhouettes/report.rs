@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use super::{BuriedOrigins, RefusedCaster};
 use crate::geometry::edge_mesh::EdgeMeshError;
-use crate::reports::Reports;
+use crate::reports::{Reports, code_of};
 use crate::scene::{SceneMesh, ShadowCaster};
 
 /// The query of [`report_casters`]: casters whose mesh was refused.
@@ -15,10 +15,13 @@ pub type RefusedCasters =
 pub fn report_casters(world: &World, casters: &mut RefusedCasters, reports: &mut Reports) {
     let mut round = reports.round("caster");
     for (entity, RefusedCaster(error), mesh) in casters.iter(world) {
-        let (code, advice) = advice(error);
-        round.raise(Some(entity), code, || {
-            format!("The mesh `{}` casts no shadow: {error}. {advice}", mesh.0.name)
-        });
+        let (kind, advice) = advice(error);
+        let name = &mesh.0.name;
+        round.state(
+            Some(entity),
+            code_of(kind, name),
+            format_args!("The mesh `{name}` casts no shadow: {error}. {advice}"),
+        );
     }
 }
 
@@ -39,7 +42,7 @@ pub fn report_buried_origins(world: &World, reports: &mut Reports) {
     }
 }
 
-/// Returns the report code of a mesh's error, and advice on how to mend it.
+/// Returns the kind of a mesh's error, and advice on how to mend it.
 fn advice(error: &EdgeMeshError) -> (u32, &'static str) {
     match error {
         EdgeMeshError::IndexOutOfRange { .. } => (1, "Repair the triangle's indices, or add the vertices."),

@@ -406,6 +406,70 @@ fn maps_that_are_refused_or_short() {
     });
 }
 
+/// Inserts a component, runs a frame, and tells what is new and what stands about the entity.
+fn after(scene: &mut Scene, entity: Entity, component: impl Bundle) -> (usize, String) {
+    scene.world.entity_mut(entity).insert(component);
+    let new = scene.frame().len();
+    let reports = scene.world.resource::<Reports>();
+    let messages: Vec<&str> = reports.of_entity(entity).map(|report| &*report.message).collect();
+    (new, messages.join("\n"))
+}
+
+#[test]
+fn messages_follow_their_values_and_a_fault_of_another_name_is_new() {
+    let mut scene = Scene::new();
+    let light = scene.light(of(SPOT), ());
+    let near = |near: f32| ShadowMap {
+        near: Some(near),
+        ..Default::default()
+    };
+    let soft = ShadowMap {
+        filter: MapFilter::Soft4 { softness: f32::NAN },
+        ..Default::default()
+    };
+    for (map, new, text) in [
+        (near(-1.0), 1, "near is -1 m"),
+        (near(-2.0), 0, "near is -2 m"),
+        (soft, 1, "softness is NaN"),
+        (near(-2.0), 1, "near is -2 m"),
+    ] {
+        let (found, message) = after(&mut scene, light, map);
+        assert_eq!(found, new, "{text}");
+        assert!(
+            message.contains(text) && !message.contains('\n'),
+            "{text}: {message}"
+        );
+    }
+    let (_, message) = after(&mut scene, light, ShadowMap::default());
+    assert_eq!(message, "");
+
+    let fixed = |texels: u32| ShadowMap {
+        resolution: MapResolution::Fixed(texels),
+        ..Default::default()
+    };
+    scene.world.resource_mut::<MapSettings>().largest = 64;
+    for (texels, new) in [(256, 1), (128, 0)] {
+        let (found, message) = after(&mut scene, light, fixed(texels));
+        assert_eq!(found, new);
+        assert!(message.contains(&format!("resolution {texels} is")), "{message}");
+    }
+    scene.world.entity_mut(light).remove::<ShadowMap>();
+
+    let broken = |name: &str, index: u32| {
+        let mut mesh = MeshData::cuboid(Vec3::splat(0.5));
+        mesh.name = name.to_owned();
+        mesh.indices[0] = index;
+        SceneMesh(Arc::new(mesh))
+    };
+    let caster = scene.object(MeshData::cuboid(Vec3::splat(0.5)), Transform::default());
+    for (name, index, new) in [("gate", 100, 1), ("gate", 200, 0), ("tower", 200, 1)] {
+        let (found, message) = after(&mut scene, caster, broken(name, index));
+        assert_eq!(found, new, "{name}");
+        let text = [format!("`{name}`"), format!("vertex {index}")];
+        assert!(text.iter().all(|text| message.contains(text)), "{message}");
+    }
+}
+
 #[test]
 fn sums_of_wedges_that_overflow_are_reported_of_the_camera() {
     let mut scene = Scene::new();

@@ -5,7 +5,7 @@ use antumbra::prelude::*;
 use antumbra::scene::gltf_import::{LoadedGltf, SkipKind, load_gltf_slice, spawn_scene};
 use antumbra::scene::{Cell, InCells, Occluder, Portal};
 use antumbra::schedule::{init_resources, standalone_schedule};
-use antumbra::sets::{Cells, Objects, OcclusionSettings, VisibleSet};
+use antumbra::sets::{CellIssue, Cells, Objects, OcclusionSettings, VisibleSet};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -92,6 +92,35 @@ fn a_mesh_may_say_what_a_cell_or_portal_is() {
         2,
         "the portal's mesh is not drawn"
     );
+}
+
+/// A portal whose mesh is a grid of `side` by `side` vertices, each of them twice.
+fn grid_door(side: usize, bulge: f32) -> Builder {
+    let mut builder = two_rooms(door(false));
+    let place = |at: usize| at as f32 / (side - 1) as f32;
+    let positions: Vec<[f32; 3]> = (0..2 * side * side)
+        .map(|at| (at / 2 / side, at / 2 % side))
+        .map(|(x, y)| [place(x), place(y), bulge * place(x) * place(y)])
+        .collect();
+    let positions = builder.floats(&positions);
+    let indices = builder.indices_u16(&[0, 2, 4]);
+    let primitive = json!({"attributes": {"POSITION": positions}, "indices": indices});
+    let mesh = builder.push("meshes", json!({"primitives": [primitive]}));
+    let extras = json!({"antumbra": {"portal": {"joins": ["left", "right"]}}});
+    builder.root_node(json!({"translation": [2.0, 0.0, 0.0], "mesh": mesh, "extras": extras}));
+    builder
+}
+
+#[test]
+fn a_finely_divided_portal_has_the_corners_of_its_hull_and_no_issue() {
+    for (bulge, corners, issues) in [(0.0, 4, vec![]), (0.5, 30 * 30, vec![CellIssue::NotFlat])] {
+        let (mut world, _) = seen(&load(&grid_door(30, bulge)));
+        let mut portals = world.query::<&Portal>();
+        let most = portals.iter(&world).map(|portal| portal.outline.len()).max();
+        assert_eq!(most, Some(corners));
+        let found = world.resource::<Cells>().issues.iter().map(|(_, issue)| *issue);
+        assert_eq!(found.collect::<Vec<_>>(), issues);
+    }
 }
 
 #[test]

@@ -40,7 +40,9 @@ pub(in crate::render) fn collect_front(
         let mut bounds = Aabb::EMPTY;
         for draw in blended.iter() {
             let reached = &blended_lights[draw.lights.clone()];
-            if reached.iter().any(|reached| reached.slot == light.slot) {
+            // The lights of a draw are in the order of their slots.
+            let found = reached.binary_search_by_key(&light.slot.0, |reached| reached.slot.0);
+            if found.is_ok() {
                 let batch = batches[draw.batch].clone();
                 let object = instances[batch.instances.start as usize] as usize;
                 bounds = bounds.union(objects.boxes.get(object).intersection(reach));

@@ -283,34 +283,67 @@ mod tests {
     use crate::render::RequestedFeatures;
     use crate::scene::Texture;
 
-    /// A texture whose mipmaps are made on several threads.
-    fn large_texture() -> Arc<Texture> {
-        const SIDE: u32 = 512;
+    fn square(side: u32) -> Arc<Texture> {
         Arc::new(Texture {
             name: "grey".to_owned(),
-            width: SIDE,
-            height: SIDE,
-            rgba8: vec![128; (4 * SIDE * SIDE) as usize],
+            width: side,
+            height: side,
+            rgba8: vec![128; (4 * side * side) as usize],
             wrap: Default::default(),
             linear_magnify: true,
             linear_minify: true,
         })
     }
 
+    fn slot(texture: Arc<Texture>) -> Option<TextureSlot> {
+        Some(TextureSlot {
+            texture,
+            uv_set: 0,
+            uv_transform: Affine2::IDENTITY,
+        })
+    }
+
+    fn gpu() -> Gpu {
+        let context = pollster::block_on(RenderContext::headless(RequestedFeatures::default()));
+        Gpu::new(context.expect("a GPU adapter is needed")).expect("shaders compose")
+    }
+
+    #[test]
+    fn textures_that_no_material_holds_are_freed_even_those_read_in_two_ways() {
+        let gpu = gpu();
+        let mut pool = MaterialPool::default();
+        // Base colour and occlusion are read as colours and as numbers; normals and occlusion both as numbers.
+        for (views, color) in [(2, true), (1, false)] {
+            let texture = square(4);
+            let (weak, of_texture) = (Arc::downgrade(&texture), slot(texture));
+            let material = Arc::new(Material {
+                base_color_texture: of_texture.clone().filter(|_| color),
+                normal_texture: of_texture.clone().filter(|_| !color),
+                occlusion_texture: of_texture,
+                ..Material::default()
+            });
+            pool.begin();
+            pool.acquire(&gpu, &material);
+            drop(material);
+            pool.end(&gpu);
+            assert_eq!(gpu.materials.known().textures.count(), views, "the view holds it");
+            pool.begin();
+            pool.end(&gpu);
+            assert_eq!(gpu.materials.known().textures.count(), 0);
+            assert_eq!(weak.strong_count(), 0);
+        }
+    }
+
     #[test]
     fn tasks_that_wait_for_mipmaps_run_others_that_ask_for_materials() {
         let (done, all_done) = channel();
         std::thread::spawn(move || {
-            let context = pollster::block_on(RenderContext::headless(RequestedFeatures::default()));
-            let gpu = Gpu::new(context.expect("a GPU adapter is needed")).expect("shaders compose");
+            let gpu = gpu();
             let materials: Vec<Arc<Material>> = (0..16)
                 .map(|_| {
                     Arc::new(Material {
-                        base_color_texture: Some(TextureSlot {
-                            texture: large_texture(),
-                            uv_set: 0,
-                            uv_transform: Affine2::IDENTITY,
-                        }),
+                        // Mipmaps of this size are made on several threads.
+                        base_color_texture: slot(square(512)),
                         ..Material::default()
                     })
                 })

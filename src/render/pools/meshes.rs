@@ -264,7 +264,7 @@ impl MeshPool {
 /// Returns the posed positions once they have been computed, and the mesh's own positions before.
 fn posed_positions<'a>(mesh: &'a MeshData, posed: Option<&'a PosedMesh>) -> &'a [Vec3] {
     match posed {
-        Some(posed) if posed.positions.len() == mesh.positions.len() => &posed.positions,
+        Some(posed) if posed.is_whole(mesh.positions.len()) => &posed.positions,
         _ => &mesh.positions,
     }
 }
@@ -297,7 +297,7 @@ fn drawable_indices(mesh: &MeshData) -> Cow<'_, [u32]> {
 /// Interleaves the attributes of each vertex beside its position. An attribute that is missing or not finite
 /// takes a neutral value. A normal then points up.
 fn fill_surface(out: &mut Vec<SurfaceVertex>, mesh: &MeshData, posed: Option<&PosedMesh>) {
-    let posed = posed.filter(|posed| posed.positions.len() == mesh.positions.len());
+    let posed = posed.filter(|posed| posed.is_whole(mesh.positions.len()));
     let normals = posed.map_or(&mesh.normals, |posed| &posed.normals);
     let tangents = posed.map_or(&mesh.tangents, |posed| &posed.tangents);
     out.clear();

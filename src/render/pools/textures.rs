@@ -12,7 +12,7 @@ use crate::scene::material::TextureWrap;
 use crate::scene::{Material, Texture, TextureSlot};
 
 /// The encoding in which a texture's texels are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Colours.
     Srgb,
@@ -30,16 +30,22 @@ struct SamplerKey {
 /// The textures and samplers that materials hold.
 #[derive(Debug, Default)]
 pub struct Textures {
-    /// The views by the addresses of their textures. Each entry keeps its texture alive.
-    views: HashMap<Key, (Arc<Texture>, wgpu::TextureView)>,
+    /// The textures by their addresses. An entry keeps its texture alive, and a texture has one entry for all
+    /// encodings: two entries would keep each other's texture for ever.
+    known: HashMap<usize, KnownTexture>,
     samplers: HashMap<SamplerKey, wgpu::Sampler>,
 }
 
-/// The address of a texture, and how it is read.
-type Key = (usize, Encoding);
+/// A texture that is on the device in at least one encoding.
+#[derive(Debug)]
+struct KnownTexture {
+    source: Arc<Texture>,
+    /// The view of each encoding, in the order of [`Encoding`].
+    views: [Option<wgpu::TextureView>; 2],
+}
 
-fn key(texture: &Arc<Texture>, encoding: Encoding) -> Key {
-    (Arc::as_ptr(texture) as usize, encoding)
+fn address(texture: &Arc<Texture>) -> usize {
+    Arc::as_ptr(texture) as usize
 }
 
 /// A texture that is not on the device.
@@ -52,8 +58,8 @@ pub struct MissingTexture<'a> {
 /// A texture that was uploaded.
 #[derive(Debug)]
 pub struct UploadedTexture {
-    key: Key,
     texture: Arc<Texture>,
+    encoding: Encoding,
     view: wgpu::TextureView,
 }
 
@@ -62,8 +68,8 @@ impl MissingTexture<'_> {
     /// hold no lock.
     pub fn upload(&self, context: &RenderContext) -> UploadedTexture {
         UploadedTexture {
-            key: key(self.texture, self.encoding),
             texture: self.texture.clone(),
+            encoding: self.encoding,
             view: upload_texture(context, self.texture, self.encoding),
         }
     }
@@ -98,11 +104,10 @@ impl Textures {
             let Some(texture) = whole_texture(slot) else {
                 continue;
             };
-            let own = key(texture, encoding);
             let is_listed = missing
                 .iter()
-                .any(|other| key(other.texture, other.encoding) == own);
-            if !is_listed && !self.views.contains_key(&own) {
+                .any(|other| Arc::ptr_eq(other.texture, texture) && other.encoding == encoding);
+            if !is_listed && self.find(texture, encoding).is_none() {
                 missing.push(MissingTexture { texture, encoding });
             }
         }
@@ -111,21 +116,40 @@ impl Textures {
 
     /// Adds a texture, unless another view has added it meanwhile.
     pub fn insert(&mut self, uploaded: UploadedTexture) {
-        let UploadedTexture { key, texture, view } = uploaded;
-        self.views.entry(key).or_insert((texture, view));
+        let UploadedTexture {
+            texture,
+            encoding,
+            view,
+        } = uploaded;
+        let known = self.known.entry(address(&texture)).or_insert(KnownTexture {
+            source: texture,
+            views: [None, None],
+        });
+        known.views[encoding as usize].get_or_insert(view);
     }
 
     /// Removes the textures that no material holds.
     pub fn forget_unused(&mut self) {
-        self.views
-            .retain(|_, (texture, _)| Arc::strong_count(texture) > 1);
+        self.known
+            .retain(|_, texture| Arc::strong_count(&texture.source) > 1);
+    }
+
+    fn find(&self, texture: &Arc<Texture>, encoding: Encoding) -> Option<&wgpu::TextureView> {
+        self.known.get(&address(texture))?.views[encoding as usize].as_ref()
+    }
+
+    /// Returns the number of textures on the device. One in two encodings counts twice.
+    #[cfg(test)]
+    pub fn count(&self) -> usize {
+        self.known
+            .values()
+            .map(|texture| texture.views.iter().flatten().count())
+            .sum()
     }
 
     /// Returns a texture that is on the device already.
     pub fn view(&self, slot: &Option<TextureSlot>, encoding: Encoding) -> Option<wgpu::TextureView> {
-        let key = key(whole_texture(slot)?, encoding);
-        let (_, view) = self.views.get(&key)?;
-        Some(view.clone())
+        self.find(whole_texture(slot)?, encoding).cloned()
     }
 
     /// Returns the sampler of a slot; that of an empty slot repeats.

@@ -14,12 +14,12 @@
 //! If one of these cannot be read, or two cells share a name, all cells and portals of the file are dropped,
 //! because a missing portal would hide objects that should be visible.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use gltf::json::{Value, deserialize::from_str};
 use smallvec::SmallVec;
 
@@ -28,6 +28,7 @@ use super::cell_extras::GltfVisibility;
 use super::nodes::GltfNode;
 use super::{Element, LoadedGltf, Report, SkipKind};
 use crate::geometry::Aabb;
+use crate::geometry::convex_polygon::CommonPlane;
 use crate::scene::{Cell, InCells, MeshData, Occluder, Portal};
 
 /// Reads the extras of all nodes.
@@ -143,13 +144,18 @@ fn bounds(gltf: &LoadedGltf, node: &GltfNode) -> (Vec3, Vec3) {
     (aabb.center(), aabb.half_size())
 }
 
-/// The vertices of a node's mesh, without duplicates.
+/// The corners of the convex hull of a node's mesh. If the mesh is not flat, they are its vertices, each once.
 fn outline(gltf: &LoadedGltf, node: &GltfNode) -> SmallVec<[Vec3; 4]> {
-    let mut outline: SmallVec<[Vec3; 4]> = SmallVec::new();
-    for &position in mesh_of(gltf, node).iter().flat_map(|mesh| &mesh.positions) {
-        if !outline.contains(&position) {
-            outline.push(position);
+    let positions = mesh_of(gltf, node).map_or(&[][..], |mesh| &mesh.positions);
+    let points: Vec<DVec3> = positions.iter().map(|position| position.as_dvec3()).collect();
+    match CommonPlane::of(&points).filter(|plane| plane.holds(&points)) {
+        Some(plane) => plane.hull(&points).iter().map(|&at| positions[at]).collect(),
+        None => {
+            let mut known = HashSet::new();
+            // 0 and −0 are one place.
+            let bits = |position: &Vec3| (*position + Vec3::ZERO).to_array().map(f32::to_bits);
+            let each_once = positions.iter().filter(|position| known.insert(bits(position)));
+            each_once.copied().collect()
         }
     }
-    outline
 }

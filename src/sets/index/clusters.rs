@@ -125,6 +125,13 @@ impl Clusters {
     }
 }
 
+/// Yields every set bit, ascending.
+pub(in crate::sets) fn bits_of(bits: usize) -> impl Iterator<Item = usize> {
+    let first = (bits != 0).then_some(bits);
+    let rests = std::iter::successors(first, |bits| Some(bits & (bits - 1)).filter(|rest| *rest != 0));
+    rests.map(|bits| bits.trailing_zeros() as usize)
+}
+
 /// Calls `visit` for every set bit, ascending.
 pub(in crate::sets) fn for_bits(mut bits: usize, mut visit: impl FnMut(usize)) {
     while bits != 0 {

@@ -1,11 +1,14 @@
 //! Lists where the visible receivers of a light are, as boxes against which casters are tested.
 
+use fixedbitset::FixedBitSet;
 use glam::Vec3;
 
-use super::frame_light::FrameLight;
+use super::frame_light::{FrameLight, LightScratch};
 use super::illumination::showing;
 use crate::geometry::{Aabb, LightHull};
-use crate::sets::index::objects::{Objects, resize};
+use crate::sets::index::boxes::WORD;
+use crate::sets::index::clusters::bits_of;
+use crate::sets::index::objects::Objects;
 use crate::sets::view::visible_parts::VisibleParts;
 
 /// Up to this many receivers are listed one by one, regardless of the cost.
@@ -27,12 +30,19 @@ const GRID: usize = 4;
 pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
     let mut boxes = std::mem::take(&mut light.region.lit_receivers);
     boxes.clear();
-    let words = light.sets.s.as_slice().iter().filter(|bits| **bits != 0).count();
+    let words = words_of_s(light);
     let reach = light.lit.aabb();
-    let shows = |&object: &usize| objects.layers[object] & light.selection.shows_on != 0;
-    let receivers = || light.sets.i.intersection(&objects.receivers).filter(shows);
-    let lit = receivers().map(|receiver| parts.get(objects, receiver).intersection(reach));
-    let count = receivers().count();
+    let words_showing = || {
+        let touched = light.scratch.touched.ones();
+        touched
+            .map(|word| (word, showing(light, objects, word)))
+            .filter(|(_, receivers)| *receivers != 0)
+    };
+    let lit = words_showing()
+        .flat_map(|(word, receivers)| bits_of(receivers).map(move |bit| word * WORD + bit))
+        .map(|receiver| parts.get(objects, receiver).intersection(reach));
+    let counts = words_showing().map(|(_, receivers)| receivers.count_ones() as usize);
+    let count: usize = counts.sum();
     if count <= FEW || (count <= MANY && count * words <= MAX_TESTS) {
         // Capacity grows in two steps, so that frames soon allocate nothing.
         boxes.reserve(if count <= FEW { FEW } else { MANY });
@@ -41,12 +51,7 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
         join(lit, &light.region.receiver_bounds, &mut boxes);
     } else {
         // Neighbours share a word, and thus a box.
-        let words = light
-            .scratch
-            .touched
-            .ones()
-            .filter(|&word| showing(light, objects, word) != 0);
-        let lit = words.map(|word| objects.clusters.words.get(word).intersection(reach));
+        let lit = words_showing().map(|(word, _)| objects.clusters.words.get(word).intersection(reach));
         join(lit, &light.region.receiver_bounds, &mut boxes);
     }
     light.region.lit_receivers = boxes;
@@ -73,20 +78,29 @@ fn join(boxes: impl Iterator<Item = Aabb>, bounds: &Aabb, joined: &mut Vec<Aabb>
 /// This happens only if something occludes. In open scenes receivers see the light from all around, and the
 /// hulls cost more than they save.
 pub(in crate::sets) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
-    let words = light.sets.s.as_slice().iter().filter(|bits| **bits != 0).count();
-    if !parts.in_use() || light.region.lit_receivers.len() * words > 4 * MAX_TESTS {
+    if !parts.in_use() || light.region.lit_receivers.len() * words_of_s(light) > 4 * MAX_TESTS {
         return;
     }
-    resize(&mut light.scratch.kept, light.sets.s.len());
-    let (s, kept) = (light.sets.s.as_slice(), &mut light.scratch.kept);
+    let LightScratch { touched, kept, .. } = &mut light.scratch;
+    if kept.len() != light.sets.s.len() {
+        *kept = FixedBitSet::with_capacity(light.sets.s.len());
+    }
+    let (s, kept) = (light.sets.s.as_mut_slice(), kept.as_mut_slice());
+    touched.ones().for_each(|word| kept[word] = 0);
     for part in &light.region.lit_receivers {
         let hull = LightHull::of_aabb(part, &light.emitter);
-        for (word, (s, kept)) in s.iter().zip(kept.as_mut_slice()).enumerate() {
-            let open = s & !*kept;
+        for word in touched.ones() {
+            let open = s[word] & !kept[word];
             if open != 0 {
-                *kept |= objects.boxes.touching_planes(word, open, &hull.planes);
+                kept[word] |= objects.boxes.touching_planes(word, open, &hull.planes);
             }
         }
     }
-    light.sets.s.intersect_with(&light.scratch.kept);
+    touched.ones().for_each(|word| s[word] &= kept[word]);
+}
+
+/// Number of words of S that hold a caster.
+fn words_of_s(light: &FrameLight) -> usize {
+    let s = light.sets.s.as_slice();
+    light.scratch.touched.ones().filter(|&word| s[word] != 0).count()
 }

@@ -8,6 +8,7 @@ use glam::{DVec3, Mat4};
 use smallvec::SmallVec;
 
 use crate::geometry::Aabb;
+use crate::geometry::convex_polygon::CommonPlane;
 use crate::scene::{Cell, InCells, Portal, SelectionLayers};
 use crate::sets::index::objects::{Objects, resize};
 
@@ -84,9 +85,6 @@ impl Opening {
     }
 }
 
-/// Share of an outline's size by which its points may be off a plane and still count as flat.
-const FLAT: f64 = 1e-4;
-
 impl CellBox {
     fn new(entity: Entity, cell: &Cell, transform: &GlobalTransform, layers: u32) -> Self {
         let affine = transform.affine();
@@ -159,34 +157,16 @@ impl Opening {
             points,
             normal: None,
         };
-        let middle = opening.points.iter().sum::<DVec3>() / opening.points.len().max(1) as f64;
-        let size = opening
-            .points
-            .iter()
-            .map(|point| point.distance(middle))
-            .fold(0.0, f64::max);
-        // The widest of the triangles that two points form with the middle decides the plane.
-        let pairs = |points: &[DVec3]| {
-            let pair = |i: usize, j: usize| (points[i] - middle).cross(points[j] - middle);
-            let all = (0..points.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-            all.map(|(i, j)| pair(i, j))
-                .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
-        };
-        let normal = pairs(&opening.points).filter(|normal| normal.length() > 1e-9 * size * size);
-        let Some(normal) = normal
-            .and_then(DVec3::try_normalize)
-            .filter(|_| size.is_finite() && size > 0.0)
-        else {
+        let Some(plane) = CommonPlane::of(&opening.points) else {
             opening.points.clear();
             return (opening, Some(CellIssue::Outline));
         };
-        let is_flat = |point: &DVec3| (*point - middle).dot(normal).abs() <= FLAT * size;
-        if !opening.points.iter().all(is_flat) {
+        if !plane.holds(&opening.points) {
             return (opening, Some(CellIssue::NotFlat));
         }
-        let issue = (!is_convex(&opening.points, middle, normal)).then_some(CellIssue::NotConvex);
-        opening.normal = Some(normal);
-        (opening, issue)
+        let is_convex = is_convex(&opening.points, plane.middle, plane.normal);
+        opening.normal = Some(plane.normal);
+        (opening, (!is_convex).then_some(CellIssue::NotConvex))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The region that is visible from a point: a convex cone of directions.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use smallvec::SmallVec;
 
 use crate::geometry::{Plane, PlaneSet, convex_polygon};
@@ -107,39 +107,22 @@ fn clip(corners: &[DVec3], normal: DVec3) -> SmallVec<[DVec3; 8]> {
 }
 
 /// Corners of the convex cone around directions, in order. `None` if they do not lie within 87° of their
-/// middle. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions", in a plane
-/// across the middle.
+/// middle. It is the convex hull in a plane across the middle.
 fn convex_cone(directions: &[DVec3]) -> Option<SmallVec<[DVec3; 8]>> {
     let middle: DVec3 = directions.iter().map(|d| d.normalize_or_zero()).sum();
     let axis = middle.try_normalize()?;
     let (right, up) = axis.any_orthonormal_pair();
-    let mut flat: SmallVec<[(f64, f64); 8]> = SmallVec::new();
+    let mut flat: SmallVec<[DVec2; 8]> = SmallVec::new();
     for direction in directions {
         let along = axis.dot(*direction);
         if !(along > MIN_COSINE * direction.length()) {
             return None;
         }
-        flat.push((right.dot(*direction) / along, up.dot(*direction) / along));
+        flat.push(DVec2::new(right.dot(*direction), up.dot(*direction)) / along);
     }
-    flat.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    flat.dedup();
-    let turns_left = |a: (f64, f64), b: (f64, f64), c: (f64, f64)| {
-        (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0) > 0.0
-    };
-    let half = |points: &mut dyn Iterator<Item = (f64, f64)>| {
-        let mut chain: SmallVec<[(f64, f64); 8]> = SmallVec::new();
-        for point in points {
-            while chain.len() >= 2 && !turns_left(chain[chain.len() - 2], chain[chain.len() - 1], point) {
-                chain.pop();
-            }
-            chain.push(point);
-        }
-        chain.pop();
-        chain
-    };
-    let mut hull = half(&mut flat.iter().copied());
-    hull.extend(half(&mut flat.iter().rev().copied()));
-    Some(hull.iter().map(|(x, y)| axis + right * *x + up * *y).collect())
+    let corners = convex_polygon::hull(&flat);
+    let direction = |at: usize| axis + right * flat[at].x + up * flat[at].y;
+    Some(corners.into_iter().map(direction).collect())
 }
 
 #[cfg(test)]

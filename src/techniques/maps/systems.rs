@@ -84,11 +84,13 @@ pub fn report<T: 'static>(world: &World, round: &mut Round) {
                 "Give the light a shorter range, or its cascades a shorter `distance`; or raise `most` of the resolution.",
             ),
         };
-        round.raise(Some(report.entity), code, || {
-            format!(
+        round.state(
+            Some(report.entity),
+            code,
+            format_args!(
                 "The light's shadow is poorer than asked for: {}. {advice}",
                 report.error
-            )
-        });
+            ),
+        );
     }
 }

@@ -178,9 +178,11 @@ impl Technique for OcclusionInterval {
         let scenes = world.resource::<IntervalScenes>();
         for light in &scenes.lights {
             match &light.scene {
-                Err(fault) => round.raise(Some(light.entity), fault.code(), || {
-                    format!("The light has no shadow: {fault}.")
-                }),
+                Err(fault) => round.state(
+                    Some(light.entity),
+                    fault.code(),
+                    format_args!("The light has no shadow: {fault}."),
+                ),
                 Ok(scene) => {
                     if let Some(scene) = scenes.scenes.get(*scene) {
                         report_scene(world, light, scene, round);

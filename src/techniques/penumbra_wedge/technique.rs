@@ -78,24 +78,28 @@ impl Technique for PenumbraWedge {
                 && light.settings.buffer == VisibilityBuffer::Float
                 && light.texture.is_none();
             if counts && light.stacked > MOST_STACKED {
-                round.raise(Some(light.entity), 3, || {
-                    format!(
+                round.state(
+                    Some(light.entity),
+                    3,
+                    format_args!(
                         "Up to {} surfaces lie one behind the other in this light. PenumbraWedge counts {MOST_STACKED}, \
                          so shadows may be too light. Take ShadowCaster off what is hidden. `Overlap::Additive` counts \
                          more, but errs more wherever penumbrae overlap.",
                         light.stacked
-                    )
-                });
+                    ),
+                );
             }
             if light.cuts_left_out > 0 {
-                round.raise(Some(light.entity), 4, || {
-                    format!(
+                round.state(
+                    Some(light.entity),
+                    4,
+                    format_args!(
                         "{} pieces of surfaces that reach into this light block nothing: a caster is cut into at most \
                          {MOST_CUTS} flat pieces, the nearest. Make the light smaller than what is around it, or take \
                          ShadowCaster off what is within it.",
                         light.cuts_left_out
-                    )
-                });
+                    ),
+                );
             }
         }
         let sums_floats =

@@ -65,12 +65,14 @@ fn report_coarse(world: &World, view: &ViewData, fits: &[(usize, Fit)], round: &
                     "it lights what is very near and what is very far. Leave the far things to another light by layers"
                 }
             };
-            round.raise(Some(entity), 4, || {
-                format!(
+            round.state(
+                Some(entity),
+                4,
+                format_args!(
                     "The light's perspective map is coarse in this view: half of what is visible has texels that cover \
                      {pixels} pixels or more along a side, because {why}, raise the resolution, or use a ShadowMap or OmniMap."
-                )
-            });
+                ),
+            );
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::Entity;
 
+use crate::reports::code_of;
 use crate::scene::{Light, LightKind};
 
 /// The reason why a technique does not shadow a light that has its component. The light then shines without a
@@ -63,13 +64,13 @@ impl Refusal {
         }
     }
 
-    /// Code of the refusal in the reports of its technique. The codes that a technique raises itself are
-    /// lower.
+    /// Code of the refusal in the reports of its technique. It is another for each setting and each kind of light, but
+    /// not for each value. The codes that a technique raises itself are lower.
     pub(super) fn code(&self) -> u32 {
         match self {
-            Self::Kind { .. } => u32::MAX,
-            Self::Setting { .. } => u32::MAX - 1,
-            Self::Missing { .. } => u32::MAX - 2,
+            Self::Kind { light, .. } => code_of(0, light),
+            Self::Setting { setting, .. } => code_of(1, setting),
+            Self::Missing { setting, .. } => code_of(2, setting),
         }
     }
 }

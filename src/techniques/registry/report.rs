@@ -1,5 +1,7 @@
 //! Reports of shadow techniques that have no effect or cannot shadow a light.
 
+use std::fmt;
+
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
 
@@ -16,18 +18,22 @@ pub fn report_techniques(world: &World, reports: &mut Reports) {
     for (index, row) in techniques.rows.iter().enumerate() {
         let mut round = reports.round(row.name());
         for light in techniques.refused.iter().filter(|light| light.row == index) {
-            let refusal = light.refusal;
-            round.raise(Some(light.entity), refusal.code(), || {
-                let component = row.component_name();
-                match refusal {
-                    Refusal::Kind { light, instead } => format!(
+            let (entity, code) = (Some(light.entity), light.refusal.code());
+            let component = row.component_name();
+            match light.refusal {
+                Refusal::Kind { light, instead } => round.state(
+                    entity,
+                    code,
+                    format_args!(
                         "The light has no shadow: {component} does not fit a {light} light: {instead}."
                     ),
-                    Refusal::Setting { .. } | Refusal::Missing { .. } => {
-                        format!("The light has no shadow: {refusal}. Set it in its {component}.")
-                    }
-                }
-            });
+                ),
+                refusal @ (Refusal::Setting { .. } | Refusal::Missing { .. }) => round.state(
+                    entity,
+                    code,
+                    format_args!("The light has no shadow: {refusal}. Set it in its {component}."),
+                ),
+            }
         }
         row.report(world, &mut round);
     }
@@ -48,18 +54,27 @@ fn report_components(world: &World, techniques: &Techniques, reports: &mut Repor
         };
         for entity in archetype.entities().iter().map(|entity| Some(entity.id())) {
             if !has(light) {
-                round.raise(entity, 1, || {
-                    format!("{first} has no effect: the entity is no light. Put it on the entity that has the light.")
-                });
+                round.state(
+                    entity,
+                    1,
+                    format_args!(
+                        "{first} has no effect: the entity is no light. Put it on the entity that has the light."
+                    ),
+                );
             } else if rows().count() > 1 {
-                round.raise(entity, 2, || {
-                    let all: Vec<&str> = rows().map(Row::component_name).collect();
-                    format!(
-                        "The light has {} shadow techniques, {}; {first} is used. Remove the others.",
-                        all.len(),
-                        all.join(" and ")
-                    )
+                let others = fmt::from_fn(|f| {
+                    rows()
+                        .skip(1)
+                        .try_for_each(|row| write!(f, " and {}", row.component_name()))
                 });
+                round.state(
+                    entity,
+                    2,
+                    format_args!(
+                        "The light has {} shadow techniques, {first}{others}; {first} is used. Remove the others.",
+                        rows().count()
+                    ),
+                );
             }
         }
     }

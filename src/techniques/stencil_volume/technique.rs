@@ -45,13 +45,15 @@ impl Technique for StencilVolume {
             };
             let casters = light.sets.s.ones().filter_map(|object| known.of_object(object));
             for (_, caster) in casters.filter(|(_, caster)| caster.stacked > MOST_STACKED) {
-                round.raise(Some(caster.entity), 1, || {
-                    format!(
+                round.state(
+                    Some(caster.entity),
+                    1,
+                    format_args!(
                         "Up to {} sheets of this mesh lie one behind the other in a light. StencilVolume counts \
                          {MOST_STACKED} of one mesh, so pixels behind more may be lit. Split the mesh.",
                         caster.stacked
-                    )
-                });
+                    ),
+                );
             }
         }
     }

@@ -8,6 +8,8 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::levels::Level;
+#[cfg(any(feature = "render", feature = "gltf"))]
+use crate::scene::srgb::linear_from_srgb;
 
 /// A picture that a light shines through: linear RGB, each component the share of light that passes.
 ///
@@ -250,14 +252,4 @@ fn levels(first: &Level, limit: u32) -> Vec<Level> {
         levels.push(next);
     }
     levels
-}
-
-/// Source: IEC 61966-2-1, the sRGB transfer function.
-#[cfg(any(feature = "render", feature = "gltf"))]
-fn linear_from_srgb(encoded: f32) -> f32 {
-    if encoded <= 0.04045 {
-        encoded / 12.92
-    } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
-    }
 }

@@ -3,17 +3,16 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::World;
-use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
-use glam::{DMat4, Mat4};
+use glam::DMat4;
 
 use super::gpu_types::MapCaster;
 use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::NO_MESH;
 use crate::render::recorder::PrepareInput;
-use crate::scene::placement::placed;
-use crate::scene::{AlphaMode, LeftOutSubmeshes, SceneMaterials, Skin};
+use crate::scene::placement::world_from_local;
+use crate::scene::{AlphaMode, LeftOutSubmeshes, SceneMaterials};
 use crate::sets::Objects;
 use crate::techniques::maps::face::MapFace;
 
@@ -77,11 +76,7 @@ impl MapDraws {
         let clip_from_world = face.clip_from_world();
         for part in &self.parts {
             let entity = objects.entities[part.object as usize];
-            let is_skinned = world.get::<Skin>(entity).is_some();
-            let world_from_local = world
-                .get::<GlobalTransform>(entity)
-                .and_then(|transform| placed(transform, is_skinned))
-                .map_or(DMat4::ZERO, |affine| Mat4::from(affine).as_dmat4());
+            let world_from_local = world_from_local(world, entity).unwrap_or(DMat4::ZERO);
             let at = self.casters.len() as u32;
             self.objects.resize(self.casters.len(), u32::MAX);
             self.objects.push(part.object);

@@ -3,12 +3,11 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
-use glam::{DVec3, Mat4};
+use glam::DVec3;
 
-use crate::scene::placement::placed;
-use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh, Skin};
+use crate::scene::placement::world_from_local;
+use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::Objects;
 use crate::silhouettes::{LightSilhouettes, Silhouettes};
 use crate::techniques::maps::LightMap;
@@ -101,13 +100,13 @@ impl Smoothies {
         if has_holes(world, entity) {
             return None;
         }
-        let transform = world.get::<GlobalTransform>(entity)?;
-        let affine = placed(transform, world.get::<Skin>(entity).is_some())?;
-        let world_from_local = Mat4::from(affine).as_dmat4();
+        let world_from_local = world_from_local(world, entity)?;
         let mesh = &world.get::<SceneMesh>(entity)?.0.positions;
-        let posed = world.get::<PosedMesh>(entity).map(|posed| &posed.positions);
+        let posed = world
+            .get::<PosedMesh>(entity)
+            .filter(|posed| posed.is_whole(mesh.len()));
         let stand = Stand {
-            positions: posed.filter(|posed| posed.len() >= mesh.len()).unwrap_or(mesh),
+            positions: posed.map_or(mesh, |posed| &posed.positions),
             world_from_local: &world_from_local,
             anchor: light.anchor,
             along: light
