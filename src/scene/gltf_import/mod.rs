@@ -14,7 +14,7 @@
 //! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs`, `instancing.rs`, `scenes.rs` |
 //! | cells, portals, occluders in extras | `cells.rs`, `cell_extras.rs` |
 //! | animation clips | `clips.rs` |
-//! | entities, reports about them | `spawn.rs`, `reports.rs` |
+//! | entities, reports about them | `spawn.rs`, `skin_winding.rs`, `reports.rs` |
 //!
 //! Content without a possible meaning is a [`GltfError`]. Content that the rest can do without is left out
 //! and listed in the [`Report`]; a spawned scene raises its lines in the [`Reports`](crate::reports::Reports). Of the
@@ -68,6 +68,7 @@ mod report;
 mod reports;
 mod scenes;
 mod schema;
+mod skin_winding;
 mod spawn;
 mod specular_glossiness;
 mod texture;
