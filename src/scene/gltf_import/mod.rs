@@ -11,7 +11,7 @@
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
 //! | textures, their pictures | `texture.rs`, `images.rs` |
 //! | materials, those of other models, computed textures | `material.rs`, `clearcoat.rs`, `specular_glossiness.rs`, `transmission.rs`, `bake.rs` |
-//! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs`, `instancing.rs`, `scenes.rs` |
+//! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs`, `singular.rs`, `instancing.rs`, `scenes.rs` |
 //! | cells, portals, occluders in extras | `cells.rs`, `cell_extras.rs` |
 //! | animation clips | `clips.rs` |
 //! | entities, reports about them | `spawn.rs`, `skin_winding.rs`, `reports.rs` |
@@ -68,6 +68,7 @@ mod report;
 mod reports;
 mod scenes;
 mod schema;
+mod singular;
 mod skin_winding;
 mod spawn;
 mod specular_glossiness;
@@ -176,7 +177,8 @@ fn load(bytes: &[u8], base_dir: Option<&Path>, file: &Path) -> Result<LoadedGltf
     let (scenes, default_scene) = scenes::load(&accessors, &nodes, &mut report)?;
     let lights = nodes::load_lights(&accessors, &mut report);
     let cameras = nodes::load_cameras(&accessors, &mut report);
-    let clips = clips::load(&accessors, &nodes, &mut report)?.into();
+    let clips: Arc<[AnimationClip]> = clips::load(&accessors, &nodes, &mut report)?.into();
+    singular::report(&nodes, &meshes, &clips, &mut report);
     Ok(LoadedGltf {
         file: file.to_owned(),
         meshes,
