@@ -8,9 +8,9 @@
 //! | buffers from chunk, data URI, file | `buffers.rs` |
 //! | buffer views, compressed ones, compressed primitives | `views.rs`, `meshopt.rs`, `draco.rs` |
 //! | accessors, with bounds checked first | `accessors.rs` |
-//! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
+//! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs`, `incomplete.rs` |
 //! | textures, their pictures | `texture.rs`, `images.rs` |
-//! | materials, those of other models, computed textures | `material.rs`, `clearcoat.rs`, `specular_glossiness.rs`, `transmission.rs`, `bake.rs` |
+//! | materials, those of other models, computed textures | `material.rs`, `clearcoat.rs`, `specular_glossiness.rs`, `transmission.rs`, `vertex_alpha.rs`, `bake.rs` |
 //! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs`, `singular.rs`, `instancing.rs`, `scenes.rs` |
 //! | cells, portals, occluders in extras | `cells.rs`, `cell_extras.rs` |
 //! | animation clips | `clips.rs` |
@@ -58,6 +58,7 @@ mod draco;
 mod error;
 mod extensions;
 mod images;
+mod incomplete;
 mod instancing;
 mod layers;
 mod material;
@@ -76,6 +77,7 @@ mod texture;
 mod transforms;
 mod transmission;
 mod triangles;
+mod vertex_alpha;
 mod vertices;
 mod views;
 
@@ -169,8 +171,8 @@ fn load(bytes: &[u8], base_dir: Option<&Path>, file: &Path) -> Result<LoadedGltf
     let decoded = draco::decode(&mut accessors)?;
 
     let mut textures = Textures::new(&accessors, base_dir);
-    let materials = material::load(&accessors, &mut textures, &mut report)?;
-    let meshes = mesh::load(&accessors, &materials, &decoded, &mut report)?;
+    let (materials, vertex_alpha) = material::load(&accessors, &mut textures, &mut report)?;
+    let meshes = mesh::load(&accessors, (&materials, &vertex_alpha), &decoded, &mut report)?;
     let skins = nodes::load_skins(&accessors, &mut report)?;
     let mut nodes = nodes::load(&accessors, &meshes, &skins, &mut report)?;
     cells::load(&accessors, &mut nodes, &mut report);
