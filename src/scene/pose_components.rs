@@ -8,6 +8,9 @@ use glam::{Mat4, Vec3, Vec4};
 use super::churn::count_churn;
 
 /// Binds a mesh to joints. Removing this component returns the mesh to its rest pose.
+///
+/// The joints alone decide where the mesh is. The entity's own transform decides which sides are fronts: give it a
+/// negative scale if the joints mirror the mesh.
 #[derive(Component, Clone, Debug)]
 #[require(PosedMesh)]
 pub struct Skin {

@@ -46,15 +46,36 @@ fn a_mesh_is_on_its_own_layers_and_on_those_above_it() {
     assert_eq!(on(&world, 1), 1);
 
     // A node's name is a layer as soon as somebody asks for it.
-    let beside = layer_of_name(&mut world, &gltf, &spawned.nodes, "beside").expect("a node has the name");
+    let layer =
+        |world: &mut World, name| layer_of_name(world, &gltf, &spawned.nodes, name).expect("a layer is left");
+    let beside = layer(&mut world, "beside").expect("a node has the name");
     assert_eq!((on(&world, 0) & beside, on(&world, 1)), (0, 1 | beside));
-    let group = layer_of_name(&mut world, &gltf, &spawned.nodes, "group").expect("a node has the name");
+    let group = layer(&mut world, "group").expect("a node has the name");
     assert_ne!(on(&world, 0) & group, 0, "what is below a node is on its layer");
-    assert_eq!(
-        layer_of_name(&mut world, &gltf, &spawned.nodes, "hero"),
-        Some(hero)
+    assert_eq!(layer(&mut world, "hero"), Some(hero));
+    assert_eq!(layer(&mut world, "nobody"), None);
+}
+
+#[test]
+fn a_name_for_which_no_layer_is_left_is_told_from_one_that_nothing_has() {
+    let builder = file(json!({}), json!({}));
+    let gltf = load_gltf_slice(&builder.glb(), None, "layers.glb").expect("the file loads");
+    let mut world = World::new();
+    let spawned = spawn_scene(&mut world, &gltf, None).expect("the scene spawns");
+    let mut names = LayerNames::default();
+    while names.add(&format!("layer {}", names.iter().count())).is_ok() {}
+    world.insert_resource(names);
+    let error = layer_of_name(&mut world, &gltf, &spawned.nodes, "beside").expect_err("all are taken");
+    assert!(
+        error
+            .to_string()
+            .contains("no layer is left for the name `beside`"),
+        "{error}"
     );
-    assert_eq!(layer_of_name(&mut world, &gltf, &spawned.nodes, "nobody"), None);
+    assert_eq!(
+        layer_of_name(&mut world, &gltf, &spawned.nodes, "nobody"),
+        Ok(None)
+    );
 }
 
 #[test]

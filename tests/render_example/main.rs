@@ -13,6 +13,7 @@ mod errors;
 mod outputs;
 mod reports;
 mod schema;
+mod shot_text;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -102,7 +102,9 @@ fn fault(root: &Value, schema: &Value, value: &Value) -> Option<String> {
     let number = |key: &str| schema.get(key).and_then(Value::as_f64);
     if let Some(value) = value.as_f64()
         && (number("minimum").is_some_and(|least| value < least)
-            || number("maximum").is_some_and(|most| value > most))
+            || number("maximum").is_some_and(|most| value > most)
+            || number("exclusiveMinimum").is_some_and(|bound| value <= bound)
+            || number("exclusiveMaximum").is_some_and(|bound| value >= bound))
     {
         return Some(format!("{value} is out of bounds"));
     }

@@ -18,9 +18,9 @@ pub struct ShotCamera {
     /// Direction that is up in the picture.
     #[serde(default = "default_up")]
     pub up: [f32; 3],
-    /// Vertical field of view, degrees. Default: 45.
+    /// Vertical field of view, degrees, between 0 and 180. Default: 45.
     #[serde(default = "default_vfov")]
-    #[schemars(range(min = 1, max = 170))]
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
     pub vfov_deg: f32,
     /// Distance of the near plane, metres. Default: 0.1.
     #[serde(default = "default_near")]

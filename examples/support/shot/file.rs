@@ -119,10 +119,13 @@ impl Shot {
     /// # Errors
     /// One line that names the element.
     pub fn parse(text: &str, techniques: Techniques) -> Result<Self, String> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text); // a byte order mark
         let mut json = serde_json::Deserializer::from_str(text);
         let mut shot: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-            let element = error.path().to_string();
-            format!("{element}: {}", error.inner())
+            match error.path().to_string().as_str() {
+                "." => error.inner().to_string(), // the shot as a whole has no name
+                element => format!("{element}: {}", error.inner()),
+            }
         })?;
         json.end().map_err(|error| format!("after the shot: {error}"))?;
         shot.techniques = techniques;
@@ -157,6 +160,9 @@ impl Shot {
                     ),
                 });
             }
+        }
+        if let Some(animation) = self.animation.filter(|animation| !animation.time.is_finite()) {
+            return Err(format!("animation.time: {} must be finite", animation.time));
         }
         for (index, ground) in self.blurred_grounds.iter().enumerate() {
             if !(ground.radius > 0.0 && ground.radius.is_finite()) {

@@ -89,11 +89,19 @@ pub fn key_of<'a, T: DeserializeOwned>(
     object: &'a Map<String, Value>,
     tag: &str,
 ) -> Option<&'a str> {
+    let is_missing = |error: &str| error.starts_with("missing field");
     let is_cause = |key: &&String| {
         let mut others = object.clone();
         others.remove(*key);
         let without = T::deserialize(Value::Object(others));
-        without.map_or_else(|other| other.to_string() != error, |_| true)
+        without.map_or_else(
+            |other| {
+                let other = other.to_string();
+                // Without a required key the error is another one too: that this key is missing.
+                other != error && !(is_missing(error) && is_missing(&other))
+            },
+            |_| true,
+        )
     };
     let others = object.keys().filter(|key| *key != tag);
     let tags = object.keys().filter(|key| *key == tag);

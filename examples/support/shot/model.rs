@@ -195,7 +195,7 @@ impl ShotModel {
     /// Inserts the components into a light of a scene.
     ///
     /// # Errors
-    /// A name that neither a node nor a layer of the scene has, or a file that cannot be read.
+    /// A name that neither a node nor a layer of the scene has, more names than layers, or a file that cannot be read.
     pub fn insert(
         &self,
         world: &mut World,
@@ -211,7 +211,8 @@ impl ShotModel {
             let Some(names) = names else { continue };
             *mask = 0;
             for name in names {
-                let bit = layer_of_name(world, loaded, &spawned.nodes, name);
+                let bit = layer_of_name(world, loaded, &spawned.nodes, name)
+                    .map_err(|error| format!("{key}: {error}"))?;
                 *mask |=
                     bit.ok_or_else(|| format!("{key}: neither a node nor a layer has the name `{name}`"))?;
             }

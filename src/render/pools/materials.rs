@@ -232,6 +232,11 @@ fn present_slot(uv_set: u32, uv_transform: Affine2) -> gpu_types::Slot {
     }
 }
 
+/// Share by which the shaders' cutoff of a mask is lower than the material's. The interpolation of equal vertex colours
+/// rounds, and a surface whose alpha is the cutoff would have holes where it rounds down. Rounding is some 10⁻⁷, and 8-bit
+/// alphas are 4 · 10⁻³ apart.
+const CUTOFF_ROUNDING: f32 = 1e-4;
+
 fn constants(material: &Material) -> gpu_types::Material {
     let slot = |slot: &Option<TextureSlot>| match slot.as_ref().filter(|_| whole_texture(slot).is_some()) {
         None => gpu_types::Slot {
@@ -251,7 +256,7 @@ fn constants(material: &Material) -> gpu_types::Material {
             .to_array()
             .map(|x| within(x, 0.0, RADIANCE_MAX, 0.0)),
         alpha_cutoff: match material.alpha_mode {
-            AlphaMode::Mask(cutoff) => within(cutoff, 0.0, 2.0, 0.5),
+            AlphaMode::Mask(cutoff) => within(cutoff, 0.0, 2.0, 0.5) * (1.0 - CUTOFF_ROUNDING),
             _ => 0.0,
         },
         metallic: within(material.metallic, 0.0, 1.0, 1.0),

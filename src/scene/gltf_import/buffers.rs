@@ -51,7 +51,7 @@ pub(super) fn load<'a>(
 
 /// Reads a data URI, or at most `limit` bytes of a file beside the glTF file. The error states the reason.
 pub(super) fn read_uri(uri: &str, base_dir: Option<&Path>, limit: Option<u64>) -> Result<Vec<u8>, String> {
-    if let Some(data) = uri.strip_prefix("data:") {
+    if let Some(data) = data_of(uri) {
         return decode_data_uri(data);
     }
     // A scheme consists of letters before a colon. Schemes other than `data` point outside the file system.
@@ -84,11 +84,20 @@ pub(super) fn read_uri(uri: &str, base_dir: Option<&Path>, limit: Option<u64>) -
     read().map_err(|error| format!("cannot read {}: {error}", path.display()))
 }
 
+/// Returns the part of a data URI after `data:`; `None` for other URIs. Schemes have no case (RFC 3986 §3.1).
+pub(super) fn data_of(uri: &str) -> Option<&str> {
+    let (scheme, data) = uri.split_once(':')?;
+    scheme.eq_ignore_ascii_case("data").then_some(data)
+}
+
 /// Decodes the part of a data URI after `data:`. Source: RFC 2397.
 fn decode_data_uri(data: &str) -> Result<Vec<u8>, String> {
     let (head, payload) = data.split_once(',').ok_or("the data URI has no comma")?;
     let bytes = percent_encoding::percent_decode_str(payload);
-    if head.ends_with(";base64") {
+    let is_base64 = head
+        .rsplit_once(';')
+        .is_some_and(|(_, last)| last.eq_ignore_ascii_case("base64"));
+    if is_base64 {
         let text: Cow<'_, [u8]> = bytes.into();
         BASE64
             .decode(&*text)

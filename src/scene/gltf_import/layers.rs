@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use super::{Element, GltfError, LoadedGltf};
-use crate::scene::{LayerNames, SceneMesh, SceneNodes, SelectionLayers};
+use crate::scene::{LayerNames, SceneMesh, SceneNodes, SelectionLayers, TooManyLayers};
 
 /// Puts the meshes of the scene's nodes on the layers that the extras of the nodes and of their ancestors name.
 /// `parent` gives the parent of a node in the scene, and `drawn` the meshes with their nodes.
@@ -44,21 +44,27 @@ pub(super) fn spawn(
 /// the layer's bit for the masks of a [`LightSelection`](crate::scene::LightSelection). A name that the extras of
 /// some node gave to a layer, or to which no node answers, puts nothing on the layer.
 ///
-/// Returns `None` if neither a node nor a layer has the name, or if no layer is left.
-pub fn layer_of_name(world: &mut World, gltf: &LoadedGltf, nodes: &SceneNodes, name: &str) -> Option<u32> {
+/// Returns `None` if neither a node nor a layer has the name.
+///
+/// # Errors
+/// A node has the name, but no layer is left for it.
+pub fn layer_of_name(
+    world: &mut World,
+    gltf: &LoadedGltf,
+    nodes: &SceneNodes,
+    name: &str,
+) -> Result<Option<u32>, TooManyLayers> {
     let meshes = meshes_of_name(world, gltf, nodes, name);
     let mut names = world.get_resource_or_init::<LayerNames>();
     let bit = match names.bit(name) {
         Some(bit) => bit,
-        None => {
-            meshes.as_ref()?;
-            names.add(name).ok()?
-        }
+        None if meshes.is_none() => return Ok(None),
+        None => names.add(name)?,
     };
     for mesh in meshes.into_iter().flatten() {
         put_on(world, mesh, bit);
     }
-    Some(bit)
+    Ok(Some(bit))
 }
 
 /// Returns the meshes of all nodes with this name, and of their descendants. `None` if no node has the name.

@@ -15,25 +15,29 @@ use super::clearcoat::{self, CLEARCOAT};
 use super::specular_glossiness::{SpecularGlossiness, Surface};
 use super::texture::Textures;
 use super::transmission::{self, Transmission};
+use super::vertex_alpha::VertexAlpha;
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::{AlphaMode, Material, TextureSlot};
 
-/// All materials of the file.
+/// All materials of the file, and what the alpha of vertex colours means under each.
 pub(super) fn load(
     accessors: &Accessors<'_>,
     textures: &mut Textures<'_>,
     report: &mut Report,
-) -> Result<Vec<Arc<Material>>, GltfError> {
+) -> Result<(Vec<Arc<Material>>, Vec<VertexAlpha>), GltfError> {
     let mut materials = Vec::with_capacity(accessors.root.materials.len());
+    let mut vertex_alpha = Vec::with_capacity(materials.capacity());
     for (index, material) in accessors.root.materials.iter().enumerate() {
         let mut import = Import {
             element: Element::Material(index),
             textures,
             report,
         };
-        materials.push(Arc::new(import.material(material)?));
+        let (material, alpha) = import.material(material)?;
+        materials.push(Arc::new(material));
+        vertex_alpha.push(alpha);
     }
-    Ok(materials)
+    Ok((materials, vertex_alpha))
 }
 
 struct Import<'i, 'a> {
@@ -43,7 +47,7 @@ struct Import<'i, 'a> {
 }
 
 impl Import<'_, '_> {
-    fn material(&mut self, json: &JsonMaterial) -> Result<Material, GltfError> {
+    fn material(&mut self, json: &JsonMaterial) -> Result<(Material, VertexAlpha), GltfError> {
         let extensions = json.extensions.as_ref();
         let is_unlit = extensions.is_some_and(|extensions| extensions.unlit.is_some());
         let strength = extensions
@@ -100,17 +104,23 @@ impl Import<'_, '_> {
                     AlphaMode::Mask(self.number("alpha cutoff", cutoff, f32::MAX))
                 }
                 Checked::Valid(JsonAlphaMode::Blend) => AlphaMode::Blend,
-                Checked::Valid(JsonAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
+                Checked::Valid(JsonAlphaMode::Opaque) => AlphaMode::Opaque,
+                Checked::Invalid => {
+                    let reason = "its alphaMode is unknown, OPAQUE is used";
+                    self.skip(SkipKind::MaterialValue, reason);
+                    AlphaMode::Opaque
+                }
             },
             double_sided: json.double_sided,
             unlit: is_unlit,
             ..Material::default()
         };
+        let mut vertex_alpha = VertexAlpha::default();
         if let Some(extensions) = extensions {
             self.clearcoat(extensions, &mut material)?;
-            self.transmission(extensions, &mut material)?;
+            vertex_alpha = self.transmission(extensions, &mut material)?;
         }
-        Ok(material)
+        Ok((material, vertex_alpha))
     }
 
     fn metallic_roughness(&mut self, json: &JsonMaterial) -> Result<Surface, GltfError> {
@@ -155,13 +165,17 @@ impl Import<'_, '_> {
         Ok(stated.surface(name))
     }
 
-    fn transmission(&mut self, extensions: &Extensions, material: &mut Material) -> Result<(), GltfError> {
+    fn transmission(
+        &mut self,
+        extensions: &Extensions,
+        material: &mut Material,
+    ) -> Result<VertexAlpha, GltfError> {
         let Some(json) = &extensions.transmission else {
-            return Ok(());
+            return Ok(VertexAlpha::default());
         };
         let factor = self.number("transmission factor", json.transmission_factor.0, 1.0);
         if factor == 0.0 {
-            return Ok(());
+            return Ok(VertexAlpha::default());
         }
         let ior = extensions.ior.as_ref().map_or(1.5, |ior| ior.ior.0);
         let volume = extensions.volume.as_ref();
@@ -178,8 +192,7 @@ impl Import<'_, '_> {
             let reason = "its transmission texture lies otherwise than the base colour, its mean is used";
             self.report.add(SkipKind::Texture, self.element, 1, reason);
         }
-        stated.apply(material);
-        Ok(())
+        Ok(stated.apply(material))
     }
 
     fn clearcoat(&mut self, extensions: &Extensions, material: &mut Material) -> Result<(), GltfError> {

@@ -12,8 +12,9 @@ use super::accessors::Accessors;
 use super::append_vertices::append;
 use super::draco::{self, Corners};
 use super::triangles::{split_flat, triangulate};
+use super::vertex_alpha::VertexAlpha;
 use super::vertices::{self, Vertices, attribute};
-use super::{Element, GltfError, Report, SkipKind};
+use super::{Element, GltfError, Report, SkipKind, incomplete};
 use crate::scene::{Material, MeshData, Submesh};
 
 /// A mesh and its materials.
@@ -27,10 +28,10 @@ pub struct GltfMesh {
     pub weights: Vec<f32>,
 }
 
-/// All meshes of the file.
+/// All meshes of the file. The materials come with what the alpha of vertex colours means under each.
 pub(super) fn load(
     accessors: &Accessors<'_>,
-    materials: &[Arc<Material>],
+    (materials, vertex_alpha): (&[Arc<Material>], &[VertexAlpha]),
     decoded: &Corners,
     report: &mut Report,
 ) -> Result<Vec<GltfMesh>, GltfError> {
@@ -50,10 +51,12 @@ pub(super) fn load(
         let mut import = Import {
             accessors,
             decoded,
+            vertex_alpha,
             index,
             report,
             data,
             vertex_runs: HashMap::new(),
+            loaded: Vec::new(),
         };
         let mut used_materials = SmallVec::new();
         for (primitive_index, primitive) in mesh.primitives.iter().enumerate() {
@@ -62,12 +65,15 @@ pub(super) fn load(
                     mesh: index,
                     primitive: primitive_index,
                 };
-                used_materials.push(match primitive.material {
-                    Some(material) => Arc::clone(accessors.get(materials, material, element, "material")?),
-                    None => Arc::clone(&default_material),
-                });
+                let material = match primitive.material {
+                    Some(material) => accessors.get(materials, material, element, "material")?,
+                    None => &default_material,
+                };
+                incomplete::report_coordinates(element, primitive, material, import.report);
+                used_materials.push(Arc::clone(material));
             }
         }
+        incomplete::report_unbound(&import.loaded, import.report);
         let mut data = import.data;
         replace_non_finite_positions(&mut data.positions);
         let weights = morph_weights(mesh, data.morph_targets.len(), index, report);
@@ -110,12 +116,16 @@ struct Import<'i, 'a> {
     accessors: &'i Accessors<'a>,
     /// The triangles of compressed primitives.
     decoded: &'i Corners,
+    /// What the alpha of vertex colours means under each material.
+    vertex_alpha: &'i [VertexAlpha],
     index: usize,
     report: &'i mut Report,
     data: MeshData,
-    /// First vertex and vertex count, by the accessors that the vertices came from. Exporters often cut one
+    /// First vertex and vertex count, by what the vertices are made from. Exporters often cut one
     /// vertex buffer into primitives by index alone.
     vertex_runs: HashMap<Vec<Option<usize>>, (usize, usize)>,
+    /// The submeshes' primitives, with their numbers of vertices and whether they have joints.
+    loaded: Vec<(Element, usize, bool)>,
 }
 
 /// The vertices of one primitive.
@@ -163,6 +173,12 @@ impl Import<'_, '_> {
                 .add(SkipKind::EmptyPrimitive, element, 1, "it has no triangles");
             return Ok(false);
         }
+        if incomplete::lacks_area(primitive, self.positions(&run), &triangles) {
+            let reason = "its triangles have no area";
+            self.report.add(SkipKind::EmptyPrimitive, element, 1, reason);
+        }
+        let has_joints = attribute(primitive, Semantic::Joints(0)).is_some();
+        self.loaded.push((element, run.vertex_count(), has_joints));
         let base = self.place(element, primitive, run, &mut triangles)?;
         self.push_submesh(element, base, &triangles)?;
         Ok(true)
@@ -196,12 +212,46 @@ impl Import<'_, '_> {
     ) -> Result<VertexRun, GltfError> {
         // Vertices without normals are split by triangle, so no other primitive can use them.
         let has_normals = attribute(primitive, Semantic::Normals).is_some();
-        let known = self.vertex_runs.get(&vertex_key(primitive)).copied();
+        let known = self.vertex_runs.get(&self.run_key(primitive)).copied();
         if let Some((base, count)) = known.filter(|_| has_normals) {
             return Ok(VertexRun::Known { base, count });
         }
-        let vertices = vertices::read(self.accessors, element, primitive, position_accessor, self.report)?;
+        let mut vertices =
+            vertices::read(self.accessors, element, primitive, position_accessor, self.report)?;
+        let colors = vertices.colors.as_deref_mut().unwrap_or_default();
+        let lost = self.vertex_alpha_of(primitive).apply(colors);
+        if lost > 0 {
+            let reason = "its vertices' alpha takes no part in the mask of a material that transmits";
+            self.report.add(SkipKind::VertexData, element, lost, reason);
+        }
         Ok(VertexRun::Fresh(vertices))
+    }
+
+    fn vertex_alpha_of(&self, primitive: &Primitive) -> VertexAlpha {
+        let material = primitive
+            .material
+            .and_then(|material| self.vertex_alpha.get(material.value()));
+        material.copied().unwrap_or_default()
+    }
+
+    /// What the vertices of a primitive are made from: accessors, and the material if it changes them.
+    fn run_key(&self, primitive: &Primitive) -> Vec<Option<usize>> {
+        let mut key = vertex_key(primitive);
+        let changes = self.vertex_alpha_of(primitive) != VertexAlpha::Multiplies;
+        key.push(
+            primitive
+                .material
+                .filter(|_| changes)
+                .map(|material| material.value()),
+        );
+        key
+    }
+
+    fn positions<'r>(&'r self, run: &'r VertexRun) -> &'r [Vec3] {
+        match run {
+            VertexRun::Fresh(vertices) => &vertices.positions,
+            VertexRun::Known { base, count } => &self.data.positions[*base..base + count],
+        }
     }
 
     /// Returns the triangles whose corners are finite, and reports what is left out.
@@ -224,10 +274,7 @@ impl Import<'_, '_> {
             self.report
                 .add(SkipKind::IncompleteTriangle, element, left_over, reason);
         }
-        let positions = match run {
-            VertexRun::Fresh(vertices) => &vertices.positions,
-            VertexRun::Known { base, count } => &self.data.positions[*base..base + count],
-        };
+        let positions = self.positions(run);
         let before = triangles.len();
         let is_finite = |corner: &u32| positions[*corner as usize].is_finite();
         triangles.retain(|corners| corners.iter().all(is_finite));
@@ -259,7 +306,7 @@ impl Import<'_, '_> {
         if attribute(primitive, Semantic::Normals).is_some() {
             let count = vertices.positions.len();
             let base = append(self.accessors, element, &mut self.data, vertices)?;
-            self.vertex_runs.insert(vertex_key(primitive), (base, count));
+            self.vertex_runs.insert(self.run_key(primitive), (base, count));
             return Ok(base);
         }
         let flat = split_flat(self.accessors, element, &vertices, triangles)?;

@@ -8,13 +8,13 @@
 //! | buffers from chunk, data URI, file | `buffers.rs` |
 //! | buffer views, compressed ones, compressed primitives | `views.rs`, `meshopt.rs`, `draco.rs` |
 //! | accessors, with bounds checked first | `accessors.rs` |
-//! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
+//! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs`, `incomplete.rs` |
 //! | textures, their pictures | `texture.rs`, `images.rs` |
-//! | materials, those of other models, computed textures | `material.rs`, `clearcoat.rs`, `specular_glossiness.rs`, `transmission.rs`, `bake.rs` |
-//! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs`, `instancing.rs`, `scenes.rs` |
+//! | materials, those of other models, computed textures | `material.rs`, `clearcoat.rs`, `specular_glossiness.rs`, `transmission.rs`, `vertex_alpha.rs`, `bake.rs` |
+//! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs`, `singular.rs`, `instancing.rs`, `scenes.rs` |
 //! | cells, portals, occluders in extras | `cells.rs`, `cell_extras.rs` |
 //! | animation clips | `clips.rs` |
-//! | entities, reports about them | `spawn.rs`, `reports.rs` |
+//! | entities, reports about them | `spawn.rs`, `skin_winding.rs`, `reports.rs` |
 //!
 //! Content without a possible meaning is a [`GltfError`]. Content that the rest can do without is left out
 //! and listed in the [`Report`]; a spawned scene raises its lines in the [`Reports`](crate::reports::Reports). Of the
@@ -58,6 +58,7 @@ mod draco;
 mod error;
 mod extensions;
 mod images;
+mod incomplete;
 mod instancing;
 mod layers;
 mod material;
@@ -68,12 +69,15 @@ mod report;
 mod reports;
 mod scenes;
 mod schema;
+mod singular;
+mod skin_winding;
 mod spawn;
 mod specular_glossiness;
 mod texture;
 mod transforms;
 mod transmission;
 mod triangles;
+mod vertex_alpha;
 mod vertices;
 mod views;
 
@@ -167,15 +171,16 @@ fn load(bytes: &[u8], base_dir: Option<&Path>, file: &Path) -> Result<LoadedGltf
     let decoded = draco::decode(&mut accessors)?;
 
     let mut textures = Textures::new(&accessors, base_dir);
-    let materials = material::load(&accessors, &mut textures, &mut report)?;
-    let meshes = mesh::load(&accessors, &materials, &decoded, &mut report)?;
+    let (materials, vertex_alpha) = material::load(&accessors, &mut textures, &mut report)?;
+    let meshes = mesh::load(&accessors, (&materials, &vertex_alpha), &decoded, &mut report)?;
     let skins = nodes::load_skins(&accessors, &mut report)?;
     let mut nodes = nodes::load(&accessors, &meshes, &skins, &mut report)?;
     cells::load(&accessors, &mut nodes, &mut report);
     let (scenes, default_scene) = scenes::load(&accessors, &nodes, &mut report)?;
     let lights = nodes::load_lights(&accessors, &mut report);
     let cameras = nodes::load_cameras(&accessors, &mut report);
-    let clips = clips::load(&accessors, &nodes, &mut report)?.into();
+    let clips: Arc<[AnimationClip]> = clips::load(&accessors, &nodes, &mut report)?.into();
+    singular::report(&nodes, &meshes, &clips, &mut report);
     Ok(LoadedGltf {
         file: file.to_owned(),
         meshes,

@@ -27,7 +27,7 @@ pub struct GltfNode {
     /// Name of the node, or "node 3" if it has none.
     pub name: String,
     /// Transform relative to the parent, or to `stretch` if there is one. It may be singular or not finite; the
-    /// report then lists it.
+    /// report then lists it, a singular one only if a mesh is lost by it.
     pub transform: Transform,
     /// Transform between the parent and `transform`, of a node whose matrix shears. No single translation, rotation
     /// and scale makes such a matrix; two of them one after the other do.

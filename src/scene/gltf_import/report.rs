@@ -78,17 +78,17 @@ impl fmt::Display for Element {
 pub enum SkipKind {
     /// A primitive of points or lines, which has no surface. Counts primitives.
     DrawMode,
-    /// A primitive without triangles. Counts primitives.
+    /// A primitive without triangles, or whose triangles all lack area. Counts primitives.
     EmptyPrimitive,
     /// Triangles with a corner that is not finite. Counts triangles.
     NonFiniteTriangle,
     /// Indices at the end that do not fill a triangle. Counts indices.
     IncompleteTriangle,
-    /// Vertex data that was repaired because it was not finite, had no length, or named more than four
-    /// joints. Counts vertices.
+    /// Vertex data that was repaired because it was not finite, had no length, named more than four joints or was
+    /// missing, or whose meaning is lost. Counts vertices.
     VertexData,
-    /// A node whose transform leaves no area or is not finite. It is loaded, but its objects are not drawn. Counts
-    /// nodes.
+    /// A node with a mesh at or below it whose transform leaves no area, or a node whose transform is not finite. It is
+    /// loaded, but its objects are not drawn. Counts nodes.
     NodeTransform,
     /// A node or mesh whose skin or morph weights do not fit. Counts nodes, meshes or inverse bind matrices.
     NodeMesh,
@@ -99,7 +99,8 @@ pub enum SkipKind {
     SceneRoot,
     /// A node whose extras cannot be read. The file then has no cells and no portals. Counts nodes.
     Visibility,
-    /// A texture that a material has to do without. Counts textures, images or materials.
+    /// A texture that a material has to do without, or for which a primitive has no coordinates. Counts textures, images
+    /// or materials.
     Texture,
     /// A material number that was out of range and was clamped, or that cannot be read. Counts numbers.
     MaterialValue,

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
+use glam::Vec3;
 
 use super::nodes::GltfNode;
 use super::{Element, GltfError, LoadedGltf};
-use super::{cells, layers, reports};
+use super::{cells, layers, reports, skin_winding};
 use crate::scene::animation::{AnimationClips, SceneNodes};
 use crate::scene::{
     IgnoresScale, MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin,
@@ -41,7 +42,8 @@ impl AsRef<SceneNodes> for SpawnedScene {
 /// Each node becomes an entity with `Transform`, `Name`, `ChildOf`, and the mesh, light and camera of the
 /// node. A node whose matrix shears gets a second entity between it and its parent, which carries the outer
 /// part of the matrix. A skinned mesh becomes a separate entity, a child of the root, because glTF ignores
-/// the transform of its node. Instances of a mesh become separate entities too, children of their node's. A hidden
+/// the transform of its node. If its joints mirror the mesh, that entity's transform mirrors too, so that fronts
+/// stay fronts. Instances of a mesh become separate entities too, children of their node's. A hidden
 /// node, and those below it, get no mesh and no light.
 ///
 /// What was left out of the file goes into the [`Reports`](crate::reports::Reports) of the topic `import`, as long as
@@ -104,15 +106,11 @@ pub fn spawn_scene(
         };
         world.entity_mut(entity).insert(ChildOf(parent));
         let before = spawned.meshes.len();
-        spawn_node(world, gltf, index, entity, hidden[index], &mut spawned);
+        spawn_node(world, gltf, index, entity, hidden[index], &parents, &mut spawned);
         drawn.extend(spawned.meshes[before..].iter().map(|&mesh| (index, mesh)));
     }
     cells::spawn(world, gltf, &spawned.nodes.nodes, &drawn);
-    let parent = |node: usize| match parents[node] {
-        Parent::Node(parent) => Some(parent),
-        Parent::Scene | Parent::NotInScene => None,
-    };
-    layers::spawn(world, gltf, parent, &drawn)?;
+    layers::spawn(world, gltf, |node| parents[node].node(), &drawn)?;
     world.entity_mut(root).insert(spawned.nodes.clone());
     reports::keep(world, gltf, root);
     Ok(spawned)
@@ -124,6 +122,7 @@ fn spawn_node(
     index: usize,
     entity: Entity,
     is_hidden: bool,
+    parents: &[Parent],
     spawned: &mut SpawnedScene,
 ) {
     let node = &gltf.nodes[index];
@@ -167,6 +166,9 @@ fn spawn_node(
     }
     let mesh_entity = match node.skin.and_then(|skin| gltf.skins.get(skin)) {
         Some(skin) => {
+            let mirrors = skin_winding::mirrors(gltf, skin, &mesh.data, |node| parents[node].node());
+            // The pose takes this transform out again; only the winding of fronts follows it.
+            let transform = Transform::from_scale(Vec3::new(if mirrors { -1.0 } else { 1.0 }, 1.0, 1.0));
             let joints = skin
                 .joints
                 .iter()
@@ -178,7 +180,7 @@ fn spawn_node(
             };
             let name = Name::new(format!("{} (skinned)", node.name));
             world
-                .spawn((name, Transform::IDENTITY, ChildOf(spawned.root), skin, drawn))
+                .spawn((name, transform, ChildOf(spawned.root), skin, drawn))
                 .id()
         }
         None => world.entity_mut(entity).insert(drawn).id(),
@@ -210,6 +212,15 @@ enum Parent {
     NotInScene,
     Scene,
     Node(usize),
+}
+
+impl Parent {
+    fn node(self) -> Option<usize> {
+        match self {
+            Self::Node(node) => Some(node),
+            Self::Scene | Self::NotInScene => None,
+        }
+    }
 }
 
 fn parents_in_scene(nodes: &[GltfNode], roots: &[usize]) -> Vec<Parent> {

@@ -122,7 +122,7 @@ impl<'a> Textures<'a> {
         let name = image
             .name
             .clone()
-            .or_else(|| image.uri.clone().filter(|uri| !uri.starts_with("data:")));
+            .or_else(|| image.uri.clone().filter(|uri| buffers::data_of(uri).is_none()));
         Ok(Some(Texture {
             name: name.unwrap_or_else(|| element.to_string()),
             width,

@@ -4,8 +4,6 @@ use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DMat3, DVec3, Mat3, Mat4, Quat, Vec3};
 use gltf::json::scene::Node;
 
-use crate::scene::placement::placed;
-
 /// The transform of a node relative to its parent.
 pub(super) struct NodeTransform {
     /// The inner part, or the whole transform if there is no `stretch`.
@@ -46,8 +44,6 @@ pub(super) fn transform_of(node: &Node) -> NodeTransform {
         || !placed_from_local.affine().matrix3.determinant().is_finite()
     {
         problem = Some("its transform is not finite");
-    } else if placed(&placed_from_local, false).is_none() {
-        problem = Some("its transform is singular");
     }
     NodeTransform {
         transform,

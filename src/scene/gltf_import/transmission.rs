@@ -8,6 +8,7 @@
 use glam::Vec3;
 
 use super::bake;
+use super::vertex_alpha::VertexAlpha;
 use crate::scene::{AlphaMode, Material, TextureSlot};
 
 /// What the extensions state, with the texture loaded.
@@ -42,8 +43,8 @@ impl Transmission {
         both.is_some_and(|(own, base)| !bake::are_aligned(own, base))
     }
 
-    /// Makes a material one that is seen through.
-    pub fn apply(mut self, material: &mut Material) {
+    /// Makes a material one that is seen through. Returns what the alpha of vertex colours means under it.
+    pub fn apply(mut self, material: &mut Material) -> VertexAlpha {
         if self.is_split(material) {
             let reds = self.texture.as_ref().map_or(&[][..], |slot| &slot.texture.rgba8);
             let texels = reds.as_chunks::<4>().0;
@@ -59,11 +60,20 @@ impl Transmission {
             AlphaMode::Mask(cutoff) => f32::from(alpha >= cutoff),
             AlphaMode::Blend => alpha,
         };
+        let vertex_alpha = match mode {
+            AlphaMode::Opaque => VertexAlpha::Ignored,
+            AlphaMode::Blend => VertexAlpha::Multiplies,
+            AlphaMode::Mask(_) if material.base_color_texture.is_some() => VertexAlpha::CutWithTexture,
+            AlphaMode::Mask(cutoff) => VertexAlpha::Cut {
+                base: factor.w,
+                cutoff,
+            },
+        };
         material.alpha_mode = AlphaMode::Blend;
         let slots = [material.base_color_texture.as_ref(), self.texture.as_ref()];
         let Some(grid) = bake::grid(slots).cloned() else {
             material.base_color.w = coverage(factor.w) * self.opacity(1.0, factor.truncate());
-            return;
+            return vertex_alpha;
         };
         let base = material.base_color_texture.take();
         let baked = bake::texture(&grid, format!("base colour of {}", material.name), |x, y| {
@@ -75,6 +85,7 @@ impl Transmission {
         });
         material.base_color_texture = Some(baked);
         material.base_color.w = 1.0;
+        vertex_alpha
     }
 
     /// The share of light that does not pass, where `share` of the factor is transmitted through this colour.

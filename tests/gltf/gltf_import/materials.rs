@@ -98,6 +98,12 @@ fn buffers_come_from_data_uris_and_encoded_file_names() {
 
     let inline = load_gltf_slice(&text(data_uri(&builder.binary)), None, "inline.gltf").unwrap();
     assert_eq!(inline.meshes[0].data, expected);
+    // Neither the scheme nor the encoding has a case.
+    let loud = data_uri(&builder.binary)
+        .replace("data:", "DATA:")
+        .replace(";base64", ";BASE64");
+    let loud = load_gltf_slice(&text(loud), None, "loud.gltf").unwrap();
+    assert_eq!(loud.meshes[0].data, expected);
 
     let folder = std::env::temp_dir().join(format!("antumbra gltf {}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

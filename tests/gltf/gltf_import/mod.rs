@@ -3,6 +3,7 @@
 mod animation;
 mod materials;
 mod meshes;
+mod mirrored_skins;
 mod models;
 mod poses;
 mod scenes;

@@ -53,6 +53,7 @@ fn zero_and_degenerate_triangles() {
         ),
         (2, 2)
     );
+    assert!(gltf.report.to_string().contains("no area"), "{}", gltf.report);
     exercise(&gltf);
 }
 

@@ -4,6 +4,7 @@
 mod accessors;
 mod animation;
 mod files;
+mod incomplete;
 mod meshes;
 mod mutations;
 mod nodes;

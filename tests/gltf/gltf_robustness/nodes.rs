@@ -81,3 +81,37 @@ fn unusable_node_transforms_are_loaded_and_counted() {
         exercise(&gltf);
     }
 }
+
+#[test]
+fn a_scale_of_0_is_counted_only_where_a_mesh_is_lost_for_good() {
+    let flattened = |mut builder: Builder, node: usize| {
+        builder.json["nodes"][node]["scale"] = json!([0, 0, 0]);
+        builder
+    };
+    let count = |builder: Builder| builder.load().report.count(SkipKind::NodeTransform);
+    // A parent of the mesh, and a node with nothing below it.
+    let mut below = quad();
+    below.json["scenes"][0]["nodes"] = json!([1]);
+    below.push("nodes", json!({"children": [0]}));
+    assert_eq!(count(flattened(below, 1)), 1);
+    let mut beside = quad();
+    beside.root_node(json!({}));
+    assert_eq!(count(flattened(beside, 1)), 0);
+    // The node of a skinned mesh, whose joints place it, and its joint, below which there is none.
+    assert_eq!(count(flattened(animated(), 0)), 0);
+    assert_eq!(count(flattened(animated(), 1)), 0);
+    // A node that grows, and one that only moves.
+    for (path, lost) in [("scale", 0), ("translation", 1)] {
+        let mut animated = quad();
+        let times = animated.floats(&[[0.0], [1.0]]);
+        let values = animated.floats(&[[0.0; 3], [1.0; 3]]);
+        animated.push(
+            "animations",
+            json!({
+                "samplers": [{"input": times, "output": values}],
+                "channels": [{"sampler": 0, "target": {"node": 0, "path": path}}],
+            }),
+        );
+        assert_eq!(count(flattened(animated, 0)), lost, "{path}");
+    }
+}

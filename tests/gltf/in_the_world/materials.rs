@@ -28,7 +28,7 @@ pub fn texture(builder: &mut Builder, width: u32, texels: &[[u8; 4]]) -> usize {
     builder.push("textures", json!({"source": image}))
 }
 
-fn glass(transmission: Value, others: Value) -> Value {
+pub fn glass(transmission: Value, others: Value) -> Value {
     let mut extensions = json!({"KHR_materials_transmission": transmission});
     for (name, value) in others.as_object().unwrap() {
         extensions[name] = value.clone();

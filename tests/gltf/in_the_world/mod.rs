@@ -3,6 +3,7 @@
 mod clearcoat;
 mod compressed;
 mod documents;
-mod materials;
+pub mod materials;
 mod nodes;
 mod pictures;
+mod vertex_alpha;

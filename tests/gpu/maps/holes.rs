@@ -8,9 +8,10 @@ use antumbra::scene::{Texture, TextureSlot};
 use antumbra::techniques::maps::MapResolution;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
-use glam::{Affine2, Quat, UVec2, Vec2, Vec3};
+use glam::{Affine2, EulerRot, Quat, UVec2, Vec2, Vec3};
 
 use crate::harness::strict_context;
+use crate::harness::support::frames::Rendered;
 use crate::harness::support::stage::Stage;
 
 const SIZE: UVec2 = UVec2::new(160, 90);
@@ -49,8 +50,11 @@ fn leaves() -> Material {
     }
 }
 
-/// The visibility of the ground; the card is not seen, its shadow is.
-fn render(card_is_masked: bool, upside_down: bool, shadow: impl Bundle, kind: LightKind) -> Vec<f32> {
+/// A caster above the ground, of this shape and material.
+type Card = (MeshData, Material, Transform);
+
+/// A ground and the cards above it, which are not seen; their shadows are.
+fn draw(ground: Material, cards: Vec<Card>, shadow: impl Bundle, kind: LightKind) -> Rendered {
     let camera = Camera {
         aspect: 16.0 / 9.0,
         ..Default::default()
@@ -60,30 +64,16 @@ fn render(card_is_masked: bool, upside_down: bool, shadow: impl Bundle, kind: Li
     stage
         .add_renderer(strict_context(), RenderSettings::default())
         .expect("shaders compose");
-    let matte = || SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into());
+    let of = |material| SceneMaterials([Arc::new(material)].into());
     stage.world.spawn((
         SceneMesh(Arc::new(MeshData::plane(5.0))),
-        matte(),
+        of(ground),
         (ShadowCaster, ShadowReceiver),
         Transform::default(),
     ));
-    let turn = if upside_down {
-        Quat::from_rotation_z(std::f32::consts::PI)
-    } else {
-        Quat::IDENTITY
-    };
-    let place = Transform::from_xyz(0.0, 1.5, 0.0).with_rotation(turn);
-    if card_is_masked {
-        let materials = SceneMaterials([Arc::new(leaves())].into());
-        stage
-            .world
-            .spawn((SceneMesh(Arc::new(card())), materials, ShadowCaster, place));
-    } else {
-        for (x, z) in [(-0.5, -0.5), (0.5, 0.5)] {
-            let mesh = SceneMesh(Arc::new(MeshData::plane(0.5)));
-            let place = place * Transform::from_xyz(x, 0.0, z);
-            stage.world.spawn((mesh, matte(), ShadowCaster, place));
-        }
+    for (mesh, material, place) in cards {
+        let mesh = SceneMesh(Arc::new(mesh));
+        stage.world.spawn((mesh, of(material), ShadowCaster, place));
     }
     let light = Light {
         kind,
@@ -91,7 +81,28 @@ fn render(card_is_masked: bool, upside_down: bool, shadow: impl Bundle, kind: Li
     };
     let at = Transform::from_xyz(0.3, 4.0, 0.2).looking_at(Vec3::ZERO, Vec3::Z);
     stage.spawn_light(light, at, Some(shadow));
-    stage.render().expect("the frame renders").visibility.remove(0)
+    stage.render().expect("the frame renders")
+}
+
+/// The visibility of the ground below the leaves, or below squares of their shape.
+fn render(card_is_masked: bool, upside_down: bool, shadow: impl Bundle, kind: LightKind) -> Vec<f32> {
+    let turn = if upside_down {
+        Quat::from_rotation_z(std::f32::consts::PI)
+    } else {
+        Quat::IDENTITY
+    };
+    let place = Transform::from_xyz(0.0, 1.5, 0.0).with_rotation(turn);
+    let cards = if card_is_masked {
+        vec![(card(), leaves(), place)]
+    } else {
+        let square = |(x, z)| {
+            let place = place * Transform::from_xyz(x, 0.0, z);
+            (MeshData::plane(0.5), Material::matte(Vec3::ONE), place)
+        };
+        [(-0.5, -0.5), (0.5, 0.5)].map(square).into()
+    };
+    let ground = Material::matte(Vec3::ONE);
+    draw(ground, cards, shadow, kind).visibility.remove(0)
 }
 
 fn differing(a: &[f32], b: &[f32]) -> usize {
@@ -126,5 +137,40 @@ fn leaves_cast_their_texture_from_both_sides() {
             let lit = vec![1.0; leaves.len()];
             assert!(differing(&leaves, &lit) > 300, "the comparison can fail");
         }
+    }
+}
+
+/// Interpolated colours round, and alphas that are the cutoff must not fall below it.
+#[test]
+fn a_mask_whose_alpha_is_its_cutoff_has_no_holes() {
+    let spot = ShadowMap {
+        resolution: MapResolution::Fixed(256),
+        ..Default::default()
+    };
+    let cone = LightKind::Spot {
+        inner_angle: 0.5,
+        outer_angle: 0.8,
+    };
+    let drawn = |alpha: f32, alpha_mode: AlphaMode| {
+        let material = Material {
+            base_color: Vec3::ONE.extend(alpha),
+            alpha_mode,
+            ..Material::matte(Vec3::ONE)
+        };
+        let turn = Quat::from_euler(EulerRot::XYZ, 0.3, 0.7, 0.2);
+        let place = Transform::from_xyz(0.1, 1.5, 0.0).with_rotation(turn);
+        draw(material.clone(), vec![(card(), material, place)], spot, cone)
+    };
+    let solid = drawn(1.0, AlphaMode::Opaque);
+    assert!(solid.visibility[0].iter().filter(|v| **v < 0.5).count() > 300);
+    for (alpha, cutoff) in [(1.0, 1.0), (0.5, 0.5), (0.3, 0.3)] {
+        let masked = drawn(alpha, AlphaMode::Mask(cutoff));
+        let pairs = solid.radiance.iter().zip(&masked.radiance);
+        let holes = pairs.filter(|(a, b)| (*a - *b).abs() > 0.01).count();
+        assert_eq!(
+            (holes, differing(&solid.visibility[0], &masked.visibility[0])),
+            (0, 0),
+            "{cutoff}"
+        );
     }
 }
