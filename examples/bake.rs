@@ -6,12 +6,13 @@
 //! ```
 //!
 //! Every light with the technique `occlusion_interval` names the folder of its maps, relative to the shot. An interrupted
-//! bake is resumed. Maps that are there already and fit the scene are left alone. Any error is
-//! one line on stderr that names the file and the element. The exit status is then 1.
+//! bake is resumed. Maps that are there already and fit the scene are left alone. Lights that want different maps in one folder
+//! are an error, and nothing is baked. Any error is one line on stderr that names the file and the element. The exit status is
+//! then 1.
 
 use antumbra_stage as support;
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
 use antumbra::baking::{Bake, BakeSettings, bake_into};
@@ -55,63 +56,93 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
         FaceCulling::None
     });
     stage.run();
-    let mut baked: Vec<Baked> = Vec::new();
-    for index in 0..stage.lights.len() {
-        let light = stage.lights[index];
-        let (Some(settings), Some(path)) = (
-            stage.world.get::<OcclusionInterval>(light).cloned(),
-            stage.world.get::<LightPath>(light).cloned(),
-        ) else {
-            continue;
-        };
-        let selection = stage.world.get::<LightSelection>(light).copied();
-        let folder = Path::new(&settings.maps);
-        let asked = (
-            path,
-            settings.texels_per_metre,
-            selection.unwrap_or_default().casts_for,
-        );
-        // `maps` and `./maps` are one folder; only a folder that exists has a canonical name.
-        let is_same = |other: &&Baked| folder.canonicalize().is_ok_and(|folder| folder == other.folder);
-        match baked.iter().find(is_same) {
-            Some(other) if other.asked == asked => continue, // both lights share the maps
-            Some(_) => {
-                return Err(format!(
-                    "{file}: lights[{index}].shadow.maps: {} is the folder of a light with another path, density or casters",
-                    folder.display()
-                ));
-            }
-            None => {}
-        }
+    let asked = asked_of_lights(&stage, &file.to_string())?;
+    for Asked {
+        index, folder, maps, ..
+    } in &asked
+    {
         let what = format!("{file}: lights[{index}]");
-        let bake = bake_light(arguments, &mut stage, index, (folder, &asked))
+        let bake = bake_light(arguments, &mut stage, *index, (folder, maps))
             .map_err(|error| format!("{what}: {error}"))?;
         say(&what, folder, &bake);
-        let folder = folder
-            .canonicalize()
-            .map_err(|error| format!("{what}: {}: {error}", folder.display()))?;
-        baked.push(Baked { folder, asked });
     }
-    if baked.is_empty() {
+    if asked.is_empty() {
         return Err(format!("{file}: no light has the technique occlusion_interval"));
     }
     Ok(())
 }
 
 /// Path of a light, texels per metre, and the mask of what casts for it.
-type Asked = (LightPath, f32, u32);
+type Maps = (LightPath, f32, u32);
 
-/// A folder whose maps are baked, and the light that they are for.
-struct Baked {
+/// The maps that a light asks for.
+struct Asked {
+    /// Index of the light in the shot.
+    index: usize,
+    /// The folder as the shot names it.
     folder: PathBuf,
-    asked: Asked,
+    /// The one name of the folder.
+    place: PathBuf,
+    maps: Maps,
+}
+
+/// Lists the maps that the lights of a shot ask for, each folder once. Lights that ask for other maps in the same folder are
+/// an error, which is found before anything is baked.
+fn asked_of_lights(stage: &Stage, file: &str) -> Result<Vec<Asked>, String> {
+    let mut all: Vec<Asked> = Vec::new();
+    for (index, &light) in stage.lights.iter().enumerate() {
+        let (Some(settings), Some(path)) = (
+            stage.world.get::<OcclusionInterval>(light),
+            stage.world.get::<LightPath>(light),
+        ) else {
+            continue;
+        };
+        let selection = stage.world.get::<LightSelection>(light).copied();
+        let maps = (
+            path.clone(),
+            settings.texels_per_metre,
+            selection.unwrap_or_default().casts_for,
+        );
+        let folder = PathBuf::from(&settings.maps);
+        let place = place_of(&folder);
+        match all.iter().find(|other| other.place == place) {
+            Some(other) if other.maps == maps => {} // both lights share the maps
+            Some(other) => {
+                return Err(format!(
+                    "{file}: lights[{index}].shadow.maps: {} is the folder of lights[{}], which has another path, density or casters",
+                    folder.display(),
+                    other.index
+                ));
+            }
+            None => all.push(Asked {
+                index,
+                folder,
+                place,
+                maps,
+            }),
+        }
+    }
+    Ok(all)
+}
+
+/// Returns the one name of a folder that need not exist: `maps` and `./maps` are the same, and links are followed.
+fn place_of(folder: &Path) -> PathBuf {
+    let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    whole.components().fold(PathBuf::new(), |mut place, part| {
+        if part == Component::ParentDir {
+            place.pop();
+        } else {
+            place.push(part);
+        }
+        place.canonicalize().unwrap_or(place)
+    })
 }
 
 fn bake_light(
     arguments: &Arguments,
     stage: &mut Stage,
     index: usize,
-    (folder, (path, texels_per_metre, casts_for)): (&Path, &Asked),
+    (folder, (path, texels_per_metre, casts_for)): (&Path, &Maps),
 ) -> Result<Bake, String> {
     let bake_settings = BakeSettings {
         texels_per_metre: *texels_per_metre,

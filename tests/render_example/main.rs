@@ -9,6 +9,7 @@ mod gltf_builder;
 #[path = "../veil/mod.rs"]
 mod veil;
 
+mod bake;
 mod errors;
 mod outputs;
 mod reports;

@@ -64,8 +64,11 @@ pub enum ShadowOrigin {
 /// radius, and rectangles keep their proportions and get this radius around them. Smoothies take it as the radius of
 /// the light from which their width follows; for a directional light it is the width, and their spread grows with it. Maps, perspective ones too,
 /// take it as the softness of their filter ([`MapFilter`](crate::techniques::maps::MapFilter)): a share of the distance
-/// from the light, or metres for a directional light. Stencil volumes are always hard and ignore it, baked maps have the
-/// width of their window of time and ignore it, and wedges ignore it for directional lights, which have no extent in metres.
+/// from the light, or metres for a directional light. Occlusion textures take it as the extent of the light as wedges do, and
+/// ignore it for directional lights, which have an angle there
+/// ([`OcclusionTexture::angle_deg`](crate::techniques::OcclusionTexture::angle_deg)). Stencil volumes are always hard and
+/// ignore it, baked maps have the width of their window of time and ignore it, and wedges ignore it for directional lights,
+/// which have no extent in metres.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",

@@ -10,7 +10,9 @@ use super::intervals::{Intervals, shining};
 use super::maps::IntervalMaps;
 use super::surface::{is_same_place, surface_hash};
 use crate::scene::placement::Placement;
-use crate::scene::{MeshData, SceneMesh, SelectionLayers, ShadowCaster};
+use crate::scene::{
+    FaceCulling, Material, MeshData, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
+};
 use crate::sets::Objects;
 
 /// A surface of the maps and the submesh that it belongs to.
@@ -39,9 +41,13 @@ pub struct IntervalScene {
     pub missing: usize,
     /// Index of the first surface that was not found.
     pub first_missing: Option<usize>,
-    /// Receivers of the world that are not in the maps.
+    /// Receivers of the world of which a submesh shows shadows that the maps do not hold: it is not in them, or it showed no
+    /// shadows when they were baked.
     pub strangers: usize,
-    /// Dense indices in [`Objects`] of the objects that are not in the maps with all of their submeshes, receivers or not.
+    /// Receivers of the world of which a submesh is seen from both sides, while the maps hold what its fronts see alone.
+    pub without_backs: usize,
+    /// Dense indices in [`Objects`] of the objects that are not in the maps with all of their submeshes, receivers or not, and of
+    /// those that show shadows on more submeshes than when the maps were baked.
     pub outside: Vec<u32>,
     /// Increases when `matched` changed. It stays while other objects come and go.
     pub generation: u64,
@@ -51,8 +57,9 @@ pub struct IntervalScene {
     /// When the light shines at all, as intervals of its path.
     pub(super) shining: Intervals,
     pub(super) is_used: bool,
-    /// Generations of the layout and of the flags of [`Objects`] when the surfaces were looked for.
-    searched: Option<[u64; 2]>,
+    /// Generations of the layout and of the flags of [`Objects`], and the faces that were seen, when the surfaces were looked
+    /// for.
+    searched: Option<([u64; 2], FaceCulling)>,
     by_hash: HashMap<u64, SmallVec<[u32; 2]>>,
     /// Memory that is kept for its allocation.
     found: Vec<(MatchedSurface, u32)>,
@@ -84,7 +91,7 @@ impl MeshHashes {
 }
 
 /// The components by which surfaces are recognized. They say whether an object casts, because [`Objects`] leave out casters
-/// that a view culls, and those were baked.
+/// that a view culls, and those were baked. Materials tell which submeshes show shadows, and on which sides.
 pub(super) type Meshes<'w, 's> = Query<
     'w,
     's,
@@ -93,8 +100,14 @@ pub(super) type Meshes<'w, 's> = Query<
         Placement,
         Has<ShadowCaster>,
         Option<&'static SelectionLayers>,
+        Option<&'static SceneMaterials>,
     ),
 >;
+
+/// Whether a material is known and shows shadows. The bake lays only such submeshes onto pages.
+fn is_lit(material: Option<&Arc<Material>>) -> bool {
+    material.is_some_and(|material| !material.unlit)
+}
 
 fn generations(objects: &Objects) -> [u64; 2] {
     [objects.layout_generation, objects.flags_generation]
@@ -114,6 +127,7 @@ impl IntervalScene {
             missing: maps.surfaces.len(),
             first_missing: None,
             strangers: 0,
+            without_backs: 0,
             outside: Vec::new(),
             generation: 0,
             payer: None,
@@ -126,8 +140,13 @@ impl IntervalScene {
     }
 
     /// Whether the surfaces must be looked for again.
-    pub(super) fn is_stale(&self, objects: &Objects, meshes: &Meshes, meshes_changed: bool) -> bool {
-        if self.searched != Some(generations(objects)) || meshes_changed {
+    pub(super) fn is_stale(
+        &self,
+        objects: &Objects,
+        meshes: &Meshes,
+        (culling, is_changed): (FaceCulling, bool),
+    ) -> bool {
+        if self.searched != Some((generations(objects), culling)) || is_changed {
             return true;
         }
         if !objects.any_moved() {
@@ -146,24 +165,32 @@ impl IntervalScene {
     }
 
     /// Looks for the surfaces among all objects. Returns whether others are matched than before.
-    pub(super) fn find(&mut self, objects: &Objects, meshes: &Meshes, hashes: &mut MeshHashes) -> bool {
-        self.searched = Some(generations(objects));
+    pub(super) fn find(
+        &mut self,
+        objects: &Objects,
+        meshes: &Meshes,
+        culling: FaceCulling,
+        hashes: &mut MeshHashes,
+    ) -> bool {
+        self.searched = Some((generations(objects), culling));
         self.strangers = 0;
+        self.without_backs = 0;
         self.outside.clear();
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         let mut is_found = vec![false; self.maps.surfaces.len()];
         for (object, &entity) in objects.entities.iter().enumerate() {
             let object_of = meshes.get(entity).ok();
-            let placed = object_of.and_then(|(mesh, place, is_caster, layers)| {
-                Some((mesh, place.exact_affine()?, is_caster, layers))
+            let placed = object_of.and_then(|(mesh, place, is_caster, layers, materials)| {
+                Some((mesh, place.exact_affine()?, is_caster, layers, materials))
             });
-            let Some((mesh, place, is_caster, layers)) = placed else {
+            let Some((mesh, place, is_caster, layers, materials)) = placed else {
                 self.outside.push(object as u32);
                 continue;
             };
             let casts = is_caster && layers.copied().unwrap_or_default().0 & self.casts_for != 0;
-            let mut is_stranger = false;
+            let shows_shadows = objects.receivers.contains(object) && objects.drawn.contains(object);
+            let (mut is_stranger, mut lacks_backs) = (false, false);
             for (submesh, hash) in hashes.of(&mesh.0).iter().enumerate() {
                 let candidates = self.by_hash.get(hash).map_or(&[][..], |found| found);
                 let here = |&&at: &&u32| {
@@ -177,6 +204,17 @@ impl IntervalScene {
                     continue;
                 };
                 is_found[surface as usize] = true;
+                let baked = &self.maps.surfaces[surface as usize];
+                let material = materials.and_then(|materials| materials.0.get(submesh));
+                if shows_shadows
+                    && is_lit(material)
+                    && !mesh.0.submesh_range(&mesh.0.submeshes[submesh]).is_empty()
+                {
+                    let shows_backs = culling == FaceCulling::None
+                        || material.is_some_and(|material| material.double_sided);
+                    is_stranger |= baked.corners.is_empty();
+                    lacks_backs |= shows_backs && !baked.is_two_sided && !baked.corners.is_empty();
+                }
                 let submesh = submesh as u32;
                 let matched = MatchedSurface {
                     surface,
@@ -188,8 +226,8 @@ impl IntervalScene {
             if is_stranger {
                 self.outside.push(object as u32);
             }
-            let shows_shadows = objects.receivers.contains(object) && objects.drawn.contains(object);
             self.strangers += usize::from(is_stranger && shows_shadows);
+            self.without_backs += usize::from(lacks_backs);
         }
         found.sort_unstable();
         self.missing = is_found.iter().filter(|found| !**found).count();

@@ -11,7 +11,7 @@ use super::intervals::{Window, seen_share, shining};
 use super::library::{IntervalFolder, IntervalLibrary};
 use super::maps::IntervalMaps;
 use super::matching::{IntervalScene, MeshHashes, Meshes};
-use crate::scene::{LightKind, LightPath, SceneMesh};
+use crate::scene::{FaceCulling, LightKind, LightPath, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects};
 
 /// The maps of a light of the frame.
@@ -65,9 +65,9 @@ impl IntervalScenes {
 /// Reads the maps of lights that are new, and finds their surfaces in the world.
 ///
 /// Set: `BuildTechniques`, before memory for textures is asked for. Reads [`FrameLights`], [`Objects`], [`LightPath`],
-/// [`IntervalFolder`] and the settings; writes [`IntervalLibrary`] and [`IntervalScenes`]. Meshes are hashed when objects
-/// come or go. A frame in which nothing moves compares nothing; one in which something does compares the maps' surfaces with
-/// what moved.
+/// [`IntervalFolder`], [`FaceCulling`] and the settings; writes [`IntervalLibrary`] and [`IntervalScenes`]. Meshes are hashed
+/// when objects come or go. Surfaces are looked for again when a material is exchanged, too. A frame in which nothing moves
+/// compares nothing; one in which something does compares the maps' surfaces with what moved.
 pub fn match_interval_maps(
     mut scenes: ResMut<IntervalScenes>,
     mut library: ResMut<IntervalLibrary>,
@@ -76,13 +76,14 @@ pub fn match_interval_maps(
     objects: Res<Objects>,
     settings: Query<(&OcclusionInterval, Option<&LightPath>)>,
     meshes: Meshes,
-    changed: Query<(), Changed<SceneMesh>>,
+    culling: Res<FaceCulling>,
+    changed: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
 ) {
     let scenes = &mut *scenes;
     let library = library.bypass_change_detection();
     scenes.list_lights(library, &folder, &lights, &settings);
     library.end_frame(|name| settings.iter().any(|(settings, _)| settings.maps == name));
-    let meshes_changed = !changed.is_empty();
+    let objects_changed = !changed.is_empty();
     let IntervalScenes {
         scenes: all,
         hashes,
@@ -91,12 +92,14 @@ pub fn match_interval_maps(
         ..
     } = scenes;
     for scene in all.iter_mut() {
-        if scene.is_stale(&objects, &meshes, meshes_changed) && scene.find(&objects, &meshes, hashes) {
+        if scene.is_stale(&objects, &meshes, (*culling, objects_changed))
+            && scene.find(&objects, &meshes, *culling, hashes)
+        {
             *generation += 1;
             scene.generation = *generation;
         }
     }
-    if meshes_changed || *layout != objects.layout_generation {
+    if objects_changed || *layout != objects.layout_generation {
         *layout = objects.layout_generation;
         hashes.forget_unused();
     }

@@ -29,6 +29,9 @@ const NO_MEMORY: u32 = 7;
 /// Code of the report about a [`ShadowOrigin`](crate::scene::ShadowOrigin), which baked shadows do not follow.
 const ORIGIN: u32 = 8;
 
+/// Code of the report about receivers that are seen from both sides, while the maps hold one.
+const BACKS: u32 = 9;
+
 /// Asks for the memory of the maps' textures, once for all lights that share them.
 ///
 /// Set: `BuildTechniques`, in [`TextureMemorySystems::Ask`]. Reads [`IntervalScenes`]; writes [`TextureMemory`].
@@ -86,6 +89,16 @@ fn report_scene(world: &World, light: &IntervalLight, scene: &IntervalScene, rou
             format_args!(
                 "{} receivers are not in the light's maps and show no shadow of it. If they stand still, bake the maps again.",
                 scene.strangers
+            ),
+        );
+    }
+    if scene.without_backs > 0 {
+        round.state(
+            Some(light.entity),
+            BACKS,
+            format_args!(
+                "{} receivers are seen from both sides, but the light's maps were baked for their fronts alone: their backs are dark. Bake the maps again.",
+                scene.without_backs
             ),
         );
     }

@@ -65,7 +65,7 @@ pub struct OcclusionTexture {
     #[cfg_attr(feature = "schema", schemars(with = "LayersInFile"))]
     pub close_leaks: u32,
     /// Angle that a directional light covers in the sky, degrees, from 0 to less than 180. Higher values soften shadows.
-    /// Other lights do not use it. Default: 0.53, the sun.
+    /// Other lights do not use it. The softness of a light (`ShadowSoftness`) does not change it. Default: 0.53, the sun.
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 180)))]
     pub angle_deg: f32,
 }

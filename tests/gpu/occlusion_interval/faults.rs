@@ -15,13 +15,13 @@ use glam::Vec3;
 use super::scenes::{SIZE, add_light, ladder, lit_ladder, maps, settings, spawn};
 use crate::harness::support::stage::Stage;
 
-fn said(stage: &Stage) -> Vec<String> {
+pub fn said(stage: &Stage) -> Vec<String> {
     let reports = stage.world.resource::<Reports>();
     let own = reports.iter().filter(|report| report.topic != "renderer");
     own.map(|report| report.message.clone()).collect()
 }
 
-fn dark(stage: &mut Stage) -> usize {
+pub fn dark(stage: &mut Stage) -> usize {
     let rendered = stage.render().expect("the frame renders");
     rendered.visibility[0].iter().filter(|&&v| v < 0.5).count()
 }

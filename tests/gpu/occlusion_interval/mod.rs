@@ -1,5 +1,6 @@
 //! Occlusion interval maps: against a ray-traced linear light, against their CPU twin, and when something is wrong.
 
+mod appearance;
 mod by_hand;
 mod drawn;
 mod exactness;

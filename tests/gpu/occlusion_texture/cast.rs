@@ -43,9 +43,12 @@ pub fn cast_pictures(
                 from_a.dot(v.cross(along)) / determinant,
                 from_a.dot(along.cross(u)) / determinant,
             );
-            // Boxes are closed, and their backs are left out; the ground is drawn from both sides.
+            // Boxes are closed. Where slices count as independent, their backs are left out; else they close no leaks. The ground
+            // is drawn from both sides.
             let is_back = triangle_is_closed(triangle) && determinant > 0.0;
-            let inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0 && !is_back;
+            let is_drawn = !is_back || settings.combine == SliceCombination::Overlap;
+            let closes = settings.close_leaks != 0 && !is_back;
+            let inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0 && is_drawn;
             if !inside || !(0.0..=1.0).contains(&share) {
                 continue;
             }
@@ -53,7 +56,7 @@ pub fn cast_pictures(
             let top_of =
                 |slice: i32| usize::try_from(slice - 1).map_or(slices.top, |before| slices.bottoms[before]);
             for (slice, picture) in pictures.iter_mut().enumerate() {
-                let first = slice as i32 - i32::from(settings.close_leaks != 0);
+                let first = slice as i32 - i32::from(closes);
                 if depth > top_of(first) && depth <= slices.bottoms[slice] {
                     let top = top_of(slice as i32);
                     let below = ((depth - top) / (slices.bottoms[slice] - top)).clamp(0.0, 1.0);

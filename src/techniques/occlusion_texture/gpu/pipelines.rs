@@ -36,7 +36,7 @@ pub enum Key {
         masked: bool,
         /// True if casters fill the next slice too.
         closes: bool,
-        /// The faces that are left out: the backs of closed casters.
+        /// The faces that are left out: the backs or the fronts of closed casters.
         culled: Option<wgpu::Face>,
         /// True if depths are drawn instead of what casters cover.
         depths: bool,

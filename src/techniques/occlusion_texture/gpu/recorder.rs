@@ -31,10 +31,11 @@ use crate::techniques::occlusion_texture::build::OcclusionTextures;
 use crate::techniques::occlusion_texture::light_slices::LightSlices;
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
 
-/// The draws of one picture: casters by whether they close leaks, and by whether their fronts alone are drawn.
+/// The draws of one picture: casters by whether they close leaks, and by whether they are closed. Fronts and backs of casters
+/// that are both are two sets.
 #[derive(Debug)]
 pub(super) struct FacePlan {
-    pub draws: [SetPlan; 4],
+    pub draws: [SetPlan; 5],
 }
 
 /// Draws that share their pipelines.
@@ -127,25 +128,36 @@ impl SliceNode {
         let groups = slices.settings.groups();
         for face in &slices.faces {
             let drawn = face.drawn();
-            let backs = if face.is_mirrored() {
-                wgpu::Face::Front
+            let (fronts, backs) = if face.is_mirrored() {
+                (wgpu::Face::Back, wgpu::Face::Front)
             } else {
-                wgpu::Face::Back
+                (wgpu::Face::Front, wgpu::Face::Back)
             };
-            let plan =
-                [(false, false), (false, true), (true, false), (true, true)].map(|(closes, is_solid)| {
-                    let own = |object: &usize| {
-                        slices.closing.contains(*object) == closes
-                            && slices.solid.contains(*object) == is_solid
-                            && slices.shows(face, objects, *object)
-                    };
-                    let set = slices.casters.ones().filter(own).collect();
-                    SetPlan {
-                        draws: self.draws.push(world, input, objects, &drawn, &set),
-                        closes,
-                        culled: is_solid.then_some(backs),
-                    }
-                });
+            let measures = slices.settings.measures();
+            // Which casters: whether they close leaks, and are closed. How: whether they fill the next slice, and what is culled.
+            let sets = [
+                ((false, false), (false, None)),
+                ((false, true), (false, (!measures).then_some(backs))),
+                ((true, false), (true, None)),
+                ((true, true), (true, Some(backs))),
+                // Nothing is behind the back of a closed caster, so it does not fill the next slice.
+                ((true, true), (false, Some(fronts))),
+            ];
+            let plan = sets.map(|((is_closing, is_solid), (closes, culled))| {
+                let is_drawn = measures || culled != Some(fronts);
+                let own = |object: &usize| {
+                    is_drawn
+                        && slices.closing.contains(*object) == is_closing
+                        && slices.solid.contains(*object) == is_solid
+                        && slices.shows(face, objects, *object)
+                };
+                let set = slices.casters.ones().filter(own).collect();
+                SetPlan {
+                    draws: self.draws.push(world, input, objects, &drawn, &set),
+                    closes,
+                    culled,
+                }
+            });
             for set in &plan {
                 let SetPlan { closes, culled, .. } = *set;
                 for masked in self.draws.masked(set.draws.clone()) {
