@@ -31,7 +31,8 @@ impl EdgeMesh {
     /// gives the same mesh.
     ///
     /// Triangles that collapse in welding or have a position that is not finite are left out and counted
-    /// ([`EdgeMesh::report`]), and so are the copies of a piece that is modelled several times in one place.
+    /// ([`EdgeMesh::report`]), and so are copies of triangles that are modelled several times in one place, unless
+    /// their piece would no longer be closed.
     /// Triangles without area but with distinct corners stay. An input without triangles gives an empty mesh.
     ///
     /// # Errors

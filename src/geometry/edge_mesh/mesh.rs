@@ -111,7 +111,7 @@ pub struct EdgeMeshReport {
     pub collapsed_triangles: usize,
     /// Triangles with a position that is NaN or infinite.
     pub non_finite_triangles: usize,
-    /// Triangles of pieces that are there already, in the same place. They cast no shadow of their own.
+    /// Triangles that are there already, in the same place. They cast no shadow of their own.
     pub repeated_triangles: usize,
 }
 

@@ -14,7 +14,7 @@
 //! | `build` | [`EdgeMesh::build`] |
 //! | `half_edges` | edges of triangles, sorted |
 //! | `pieces` | connected pieces, and which of them are closed |
-//! | `repeats` | pieces that are modelled several times in one place |
+//! | `repeats` | triangles that are modelled several times in one place |
 //! | `weld` | welding of vertices |
 //! | `winding` | whether the outside of a mesh is seen from everywhere around it |
 //! | `order` | the order of triangles, which decides who shares a cluster |

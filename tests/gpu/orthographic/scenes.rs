@@ -26,11 +26,7 @@ pub fn spawn(stage: &mut Stage, mesh: MeshData, place: Transform) -> Entity {
 /// The scene under a camera of a height, near and far, looking down aslant.
 pub fn ground(context: &RenderContext, height: f32, near: f32, far: f32) -> Stage {
     let view = Transform::from_xyz(2.5, 3.0, 4.5).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y);
-    let camera = Camera::orthographic(height, near, far, SIZE.x as f32 / SIZE.y as f32);
-    let mut stage = Stage::empty(SIZE, camera, view);
-    stage
-        .add_renderer(context.clone(), RenderSettings::default())
-        .expect("shaders compose");
+    let mut stage = empty(context, view, [height, near, far]);
     spawn(&mut stage, MeshData::plane(20.0), Transform::IDENTITY);
     let turned = Quat::from_rotation_y(0.6);
     spawn(
@@ -48,6 +44,27 @@ pub fn ground(context: &RenderContext, height: f32, near: f32, far: f32) -> Stag
         MeshData::cuboid(Vec3::new(0.1, 0.6, 0.1)),
         Transform::from_xyz(-1.2, 0.6, 0.4),
     );
+    stage
+}
+
+/// A plate that stands upright at the origin before a wall, seen aslant. A lamp on the +Z axis faces both.
+pub fn plate_before_wall(context: &RenderContext) -> Stage {
+    let view = Transform::from_xyz(2.5, 1.5, 1.0).looking_at(Vec3::new(0.0, 0.0, -3.0), Vec3::Y);
+    let mut stage = empty(context, view, [6.0, 0.1, 30.0]);
+    let upright = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+    for (half_size, z) in [(0.35, 0.0), (4.0, -4.0)] {
+        let place = Transform::from_xyz(0.0, 0.0, z).with_rotation(upright);
+        spawn(&mut stage, MeshData::plane(half_size), place);
+    }
+    stage
+}
+
+fn empty(context: &RenderContext, view: Transform, [height, near, far]: [f32; 3]) -> Stage {
+    let camera = Camera::orthographic(height, near, far, SIZE.x as f32 / SIZE.y as f32);
+    let mut stage = Stage::empty(SIZE, camera, view);
+    stage
+        .add_renderer(context.clone(), RenderSettings::default())
+        .expect("shaders compose");
     stage
 }
 

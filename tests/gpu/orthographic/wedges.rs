@@ -8,7 +8,7 @@ use antumbra::techniques::penumbra_wedge::WedgeCulling;
 use bevy_transform::prelude::GlobalTransform;
 use glam::Vec3;
 
-use super::scenes::{ground, light, rays};
+use super::scenes::{ground, light, plate_before_wall, rays};
 use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
 
@@ -70,6 +70,42 @@ fn area_lights_cast_the_penumbrae_of_truth() {
             assert!(error.penumbra > 200, "{name}: too little is in penumbrae");
             assert!(error.rmse_penumbra < ALLOWED.0, "{name} {culling:?}: {error:?}");
             assert!(error.rmse < ALLOWED.1, "{name} {culling:?}: {error:?}");
+        }
+    }
+}
+
+/// Wedges of a plate that is as near to the lamp as the lamp is wide: they open by nearly half a turn.
+#[test]
+fn however_pixels_are_found_a_near_caster_casts_the_same() {
+    let context = strict_context();
+    let rect = LightKind::Rect {
+        width: 0.6,
+        height: 0.6,
+    };
+    for kind in [rect, LightKind::Sphere { radius: 0.3 }] {
+        let mut stage = plate_before_wall(&context);
+        let wedge = |culling| PenumbraWedge {
+            culling,
+            ..PenumbraWedge::default()
+        };
+        let stencil = wedge(WedgeCulling::Stencil);
+        light(&mut stage, kind, Vec3::Z * 0.6, f32::INFINITY, stencil);
+        let truth = truth(&mut stage);
+        let expected = stage.render().expect("the frame renders").visibility.remove(0);
+        for culling in [WedgeCulling::Stencil, WedgeCulling::Depth, WedgeCulling::None] {
+            let entity = stage.lights[0];
+            stage.world.entity_mut(entity).insert(wedge(culling));
+            let error = error(&mut stage, &truth);
+            let got = stage.render().expect("the frame renders").visibility.remove(0);
+            let pairs = got.iter().zip(&expected);
+            let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            println!(
+                "{kind:?} {culling:?}: rmse in penumbrae {:.4} ({} px), {worst:.4} from stencil",
+                error.rmse_penumbra, error.penumbra
+            );
+            assert!(error.penumbra > 2000, "{kind:?}: too little is in penumbrae");
+            assert!(error.rmse_penumbra < 0.02, "{kind:?} {culling:?}: {error:?}");
+            assert!(worst < 0.01, "{kind:?} {culling:?}: {worst}");
         }
     }
 }

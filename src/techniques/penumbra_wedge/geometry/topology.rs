@@ -30,8 +30,8 @@ pub const FIRST_RIM: u16 = 4;
 /// First of the apexes: for each rim point, the end of the edge from which its ray starts.
 pub const FIRST_APEX: u16 = FIRST_RIM + 2 * RIM as u16;
 
-const SEPARATOR: usize = 6 * 3;
-const SHELL: usize = (2 * (RIM - 1) + RIM) * 3;
+const SEPARATOR: usize = 7 * 3;
+const SHELL: usize = 3 * (RIM - 1) * 3;
 
 /// Indices of the outer half.
 pub const OUTER_HALF: Range<u32> = 0..(SEPARATOR + SHELL) as u32;
@@ -56,11 +56,13 @@ pub fn indices() -> Vec<u16> {
     all
 }
 
-/// The side of the hard shadow, then the two triangles and their companions that extend it to the rims.
+/// The side of the hard shadow, then the two triangles and their companions that extend it to the rims, and the
+/// triangle between its far end and the last rim.
 ///
 /// The first vertex of a triangle tells the fragment stage whether the triangle bounds the hard shadow: rim
 /// points do not. The companions are degenerate unless both rims start from one end of the edge; then the
-/// extension of the other end is a quad.
+/// extension of the other end is a quad. The last triangle is degenerate where all rays end at infinity or on
+/// one plane. In orthographic views they end at different distances.
 fn separator() -> Vec<u16> {
     let (first, last) = (FIRST_RIM, FIRST_RIM + RIM as u16 - 1);
     let apex = |rim: u16| rim - FIRST_RIM + FIRST_APEX;
@@ -71,6 +73,7 @@ fn separator() -> Vec<u16> {
         [apex(first), first, START],
         [last, END, FAR_END],
         [last, apex(last), END],
+        [last, FAR_END, FAR_START],
     ]
     .concat()
 }
@@ -87,7 +90,6 @@ fn shell(half: u16) -> Vec<u16> {
         all.extend([apex(i), rim(i + 1), apex(i + 1)]);
         all.extend([rim(i), FAR_START, rim(i + 1)]);
     }
-    all.extend([rim(last), FAR_START, FAR_END]);
     all
 }
 
@@ -179,6 +181,32 @@ mod tests {
             // A half without its separator is open.
             let shells = SHELLS.start as usize..SHELLS.end as usize / 2;
             assert!(!measure(&vertices, &indices[shells]).1);
+        }
+    }
+
+    /// A ray that crosses from one half into the other would meet a triangle of the shells there with a face of each
+    /// half, and their values cancel.
+    #[test]
+    fn no_shell_has_a_triangle_between_the_halves() {
+        let indices = indices();
+        for (ends, shell) in shells() {
+            let vertices = vertices(ends, &shell);
+            let normal = ends[0].cross(ends[1]).normalize();
+            // The size of a triangle, and the greatest distance of its corners from the plane between the halves.
+            let measure = |triangle: &[u16]| {
+                let corners @ [a, b, c] = [0, 1, 2].map(|i| vertices[triangle[i] as usize]);
+                let off = corners.map(|corner| normal.dot(corner).abs()).into_iter();
+                ((b - a).cross(c - a).length(), off.fold(0.0, f64::max))
+            };
+            let range = |part: Range<u32>| part.start as usize..part.end as usize;
+            for triangle in indices[range(SHELLS)].chunks_exact(3) {
+                let (size, off) = measure(triangle);
+                assert!(size < 1e-9 || off > 1e-6, "{triangle:?}: {size} {off}, {ends:?}");
+            }
+            for triangle in indices[range(SEPARATORS)].chunks_exact(3) {
+                let (_, off) = measure(triangle);
+                assert!(off < 1e-9, "{triangle:?}: {off}, {ends:?}");
+            }
         }
     }
 
