@@ -12,12 +12,12 @@ use bevy::asset::{AssetEvent, AssetId, AssetPath, Assets, UntypedAssetId};
 use bevy::ecs::prelude::*;
 use bevy::material::{MaterialProperties, OpaqueRendererMethod};
 use bevy::pbr::{
-    DeferredFragmentShader, DeferredVertexShader, Lightmap, Material, MaterialFragmentShader,
-    MaterialVertexShader, StandardMaterial,
+    DeferredFragmentShader, DeferredVertexShader, Material, MaterialFragmentShader, MaterialVertexShader,
+    StandardMaterial,
 };
 use bevy::platform::collections::HashSet;
 use bevy::render::Extract;
-use bevy::render::sync_world::{MainEntity, MainEntityHashSet};
+use bevy::render::sync_world::MainEntity;
 use bevy::shader::{Shader, ShaderRef};
 
 use super::camera::named;
@@ -28,6 +28,8 @@ pub(super) enum Forward {
     /// The material is a `StandardMaterial` whose method is `Forward`, or which transmits light. Bevy's
     /// deferred shading cannot show transmission.
     Chosen,
+    /// The mesh has a lightmap. Bevy's deferred shading adds the light that the lightmap holds a second time.
+    Lightmapped,
     /// As `Chosen`, but no mask fits the mesh: light shines through it from behind, or the depth prepass lacks it.
     ChosenUnmasked,
     /// The material's `enable_prepass` is false.
@@ -49,6 +51,7 @@ impl Forward {
     fn advice(&self) -> Option<String> {
         match self {
             Self::Chosen | Self::ChosenUnmasked => None,
+            Self::Lightmapped => Some("Bevy's deferred shading would add the light of the mesh's lightmap twice".to_owned()),
             Self::NoPrepass => Some("its `enable_prepass` is false".to_owned()),
             Self::FragmentShader(shader) => Some(format!(
                 "its fragment shader{shader} has no deferred counterpart; return one from `deferred_fragment_shader`"
@@ -70,8 +73,6 @@ pub(super) struct Deferral {
     chosen_forward: HashSet<AssetId<StandardMaterial>>,
     /// Materials with diffuse transmission: light that shines on them from behind passes through.
     transmitting: HashSet<AssetId<StandardMaterial>>,
-    /// Entities whose lightmap is sampled bicubically. Only the game's world has this information.
-    pub bicubic_lightmaps: MainEntityHashSet,
     /// Types of materials that have been named in the log because they stay forward.
     told: HashSet<TypeId>,
     /// Entities whose material stays forward, with advice. The next frame names them in the log.
@@ -88,7 +89,6 @@ impl Default for Deferral {
             standard_shader,
             chosen_forward: HashSet::default(),
             transmitting: HashSet::default(),
-            bicubic_lightmaps: MainEntityHashSet::default(),
             told: HashSet::default(),
             to_tell: Vec::new(),
         }
@@ -151,15 +151,13 @@ fn name_of(shader: Option<&ShaderHandle>) -> String {
     }
 }
 
-/// Updates the render methods of standard materials and the lightmaps' sampling.
+/// Updates the render methods of standard materials.
 ///
 /// Runs in `ExtractSchedule`.
 pub(super) fn collect_methods(
     mut deferral: ResMut<Deferral>,
     mut events: Extract<MessageReader<AssetEvent<StandardMaterial>>>,
     materials: Extract<Res<Assets<StandardMaterial>>>,
-    lightmaps: Extract<Query<(Entity, &Lightmap), Changed<Lightmap>>>,
-    mut unmapped: Extract<RemovedComponents<Lightmap>>,
 ) {
     for event in events.read() {
         match *event {
@@ -182,16 +180,6 @@ pub(super) fn collect_methods(
                 deferral.transmitting.remove(&id);
             }
             AssetEvent::LoadedWithDependencies { .. } => {}
-        }
-    }
-    for entity in unmapped.read() {
-        deferral.bicubic_lightmaps.remove(&MainEntity::from(entity));
-    }
-    for (entity, lightmap) in &lightmaps {
-        if lightmap.bicubic_sampling {
-            deferral.bicubic_lightmaps.insert(entity.into());
-        } else {
-            deferral.bicubic_lightmaps.remove(&MainEntity::from(entity));
         }
     }
 }
