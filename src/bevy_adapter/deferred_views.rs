@@ -205,7 +205,7 @@ pub(super) fn queue_deferred(
                 view_key,
                 msaa,
                 &meshes,
-                &deferral,
+                (&deferral, forward.is_supported()),
                 &mut phases,
                 &mut pipelines,
             );
@@ -232,7 +232,7 @@ fn queue_mesh(
     view_key: MeshPipelineKey,
     msaa: &Msaa,
     meshes: &Meshes,
-    deferral: &Deferral,
+    (deferral, has_masks): (&Deferral, bool),
     phases: &mut ViewPhases,
     pipelines: &mut Pipelines,
 ) -> Option<(UntypedAssetId, Forward)> {
@@ -250,7 +250,7 @@ fn queue_mesh(
         phases.masked.remove(entity);
         return None;
     }
-    if let Err(why) = deferral.check(id, properties) {
+    if let Err(why) = deferral.check(id, properties, has_masks) {
         return Some((id, why));
     }
     let mesh = meshes.instances.render_mesh_queue_data(entity)?;
