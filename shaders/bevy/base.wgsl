@@ -52,32 +52,63 @@ override fn bevy_pbr::lighting::point_light(
     return lighting::point_light(light_id, input, enable_diffuse, enable_texture);
 }
 
+fn is_same_directional(known: Unindexed, light_id: u32) -> bool {
+    return all(known.place.xyz == lights.directional_lights[light_id].direction_to_light)
+        && all(known.color == lights.directional_lights[light_id].color);
+}
+
+// Whether a light is managed. Lights with equal values cannot be told apart: the first of them count as managed, as many
+// as are managed.
+fn is_managed_directional(light_id: u32) -> bool {
+    var left = 0u; // equal managed lights that no light before this one stands for
+    var equal = Unindexed();
+    for (var i = 0u; i < managed.counts.x; i = i + 1u) {
+        if is_same_directional(managed.directional[i], light_id) {
+            equal = managed.directional[i];
+            left = left + 1u;
+        }
+    }
+    for (var i = 0u; i < light_id && left > 0u; i = i + 1u) {
+        left = left - u32(is_same_directional(equal, i));
+    }
+    return left > 0u;
+}
+
 override fn bevy_pbr::lighting::directional_light(
     light_id: u32, input: ptr<function, LightingInput>, enable_diffuse: bool
 ) -> vec3<f32> {
-    let color = lights.directional_lights[light_id].color;
-    let place = lights.directional_lights[light_id].direction_to_light;
-    for (var i = 0u; i < managed.counts.x; i = i + 1u) {
-        if all(managed.directional[i].place.xyz == place) && all(managed.directional[i].color == color) {
-            return vec3<f32>(0.0);
-        }
-    }
+    if is_managed_directional(light_id) { return vec3<f32>(0.0); }
     return lighting::directional_light(light_id, input, enable_diffuse);
 }
 
 #ifdef AREA_LIGHT_LUTS
+fn is_same_rect(known: Unindexed, light_id: u32) -> bool {
+    let rect = lights.rect_lights[light_id];
+    return all(known.place.xyz == rect.position) && all(known.color == rect.color)
+        && all(known.right == vec4<f32>(rect.right, rect.width))
+        && all(known.up == vec4<f32>(rect.up, rect.height));
+}
+
+// As `is_managed_directional`.
+fn is_managed_rect(light_id: u32) -> bool {
+    var left = 0u;
+    var equal = Unindexed();
+    for (var i = 0u; i < managed.counts.y; i = i + 1u) {
+        if is_same_rect(managed.rect[i], light_id) {
+            equal = managed.rect[i];
+            left = left + 1u;
+        }
+    }
+    for (var i = 0u; i < light_id && left > 0u; i = i + 1u) {
+        left = left - u32(is_same_rect(equal, i));
+    }
+    return left > 0u;
+}
+
 override fn bevy_pbr::lighting::rect_light(
     light_id: u32, input: ptr<function, LightingInput>, enable_diffuse: bool
 ) -> vec3<f32> {
-    let rect = lights.rect_lights[light_id];
-    for (var i = 0u; i < managed.counts.y; i = i + 1u) {
-        let known = managed.rect[i];
-        if all(known.place.xyz == rect.position) && all(known.color == rect.color)
-            && all(known.right == vec4<f32>(rect.right, rect.width))
-            && all(known.up == vec4<f32>(rect.up, rect.height)) {
-            return vec3<f32>(0.0);
-        }
-    }
+    if is_managed_rect(light_id) { return vec3<f32>(0.0); }
     return lighting::rect_light(light_id, input, enable_diffuse);
 }
 #endif

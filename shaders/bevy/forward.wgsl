@@ -44,34 +44,66 @@ override fn bevy_pbr::lighting::point_light(
     return light * antumbra_visibility(layer, (*input).P);
 }
 
+fn antumbra_is_same_directional(known: AntumbraUnindexed, light_id: u32) -> bool {
+    return all(known.place.xyz == antumbra_bindings::lights.directional_lights[light_id].direction_to_light)
+        && all(known.color == antumbra_bindings::lights.directional_lights[light_id].color);
+}
+
+// The layer of a light plus 1, or 0. Lights with equal values cannot be told apart: the first of them have the layers of the
+// equal managed ones, in order.
+fn antumbra_layer_of_directional(light_id: u32) -> u32 {
+    var layer = 0u;
+    var rank = 0u; // of the next equal managed light
+    for (var i = 0u; i < antumbra_managed.counts.x; i = i + 1u) {
+        let known = antumbra_managed.directional[i];
+        if antumbra_is_same_directional(known, light_id) {
+            var before = 0u; // equal lights before this one
+            for (var j = 0u; j < light_id; j = j + 1u) { before = before + u32(antumbra_is_same_directional(known, j)); }
+            layer = select(layer, u32(known.place.w), rank == before);
+            rank = rank + 1u;
+        }
+    }
+    return layer;
+}
+
 override fn bevy_pbr::lighting::directional_light(
     light_id: u32, input: ptr<function, antumbra_lighting::LightingInput>, enable_diffuse: bool
 ) -> vec3<f32> {
     let light = antumbra_lighting::directional_light(light_id, input, enable_diffuse);
-    let color = antumbra_bindings::lights.directional_lights[light_id].color;
-    let place = antumbra_bindings::lights.directional_lights[light_id].direction_to_light;
-    var layer = 0u;
-    for (var i = 0u; i < antumbra_managed.counts.x; i = i + 1u) {
-        let known = antumbra_managed.directional[i];
-        if all(known.place.xyz == place) && all(known.color == color) { layer = u32(known.place.w); }
-    }
+    let layer = antumbra_layer_of_directional(light_id);
     if layer == 0u { return light; }
     return light * antumbra_visibility(layer, (*input).P);
 }
 
 #ifdef AREA_LIGHT_LUTS
+fn antumbra_is_same_rect(known: AntumbraUnindexed, light_id: u32) -> bool {
+    let rect = antumbra_bindings::lights.rect_lights[light_id];
+    return all(known.place.xyz == rect.position) && all(known.color == rect.color)
+        && all(known.right == vec4<f32>(rect.right, rect.width))
+        && all(known.up == vec4<f32>(rect.up, rect.height));
+}
+
+// As `antumbra_layer_of_directional`.
+fn antumbra_layer_of_rect(light_id: u32) -> u32 {
+    var layer = 0u;
+    var rank = 0u;
+    for (var i = 0u; i < antumbra_managed.counts.y; i = i + 1u) {
+        let known = antumbra_managed.rect[i];
+        if antumbra_is_same_rect(known, light_id) {
+            var before = 0u;
+            for (var j = 0u; j < light_id; j = j + 1u) { before = before + u32(antumbra_is_same_rect(known, j)); }
+            layer = select(layer, u32(known.place.w), rank == before);
+            rank = rank + 1u;
+        }
+    }
+    return layer;
+}
+
 override fn bevy_pbr::lighting::rect_light(
     light_id: u32, input: ptr<function, antumbra_lighting::LightingInput>, enable_diffuse: bool
 ) -> vec3<f32> {
     let light = antumbra_lighting::rect_light(light_id, input, enable_diffuse);
-    let rect = antumbra_bindings::lights.rect_lights[light_id];
-    var layer = 0u;
-    for (var i = 0u; i < antumbra_managed.counts.y; i = i + 1u) {
-        let known = antumbra_managed.rect[i];
-        if all(known.place.xyz == rect.position) && all(known.color == rect.color)
-            && all(known.right == vec4<f32>(rect.right, rect.width))
-            && all(known.up == vec4<f32>(rect.up, rect.height)) { layer = u32(known.place.w); }
-    }
+    let layer = antumbra_layer_of_rect(light_id);
     if layer == 0u { return light; }
     return light * antumbra_visibility(layer, (*input).P);
 }

@@ -17,9 +17,13 @@
     pbr_deferred_functions::pbr_input_from_deferred_gbuffer,
     lighting,
     lighting::{LightingInput, LAYER_BASE, LAYER_CLEARCOAT},
-    mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE,
+    mesh_view_types::{POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE, POINT_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT},
+    mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT,
     mesh_view_bindings::{view, lights, clustered_lights, deferred_prepass_texture},
 }
+#ifdef CONTACT_SHADOWS
+#import bevy_pbr::mesh_view_bindings::contact_shadows_settings
+#endif
 
 #ifdef SEPARATE_TERMS
 const PI: f32 = 3.141592653589793;
@@ -213,6 +217,33 @@ fn is_out_of_reach(surface: PbrInput) -> bool {
     return out_of_reach;
 }
 
+// The share of the light that Bevy's contact shadows let through; 1 if the camera or the light has none.
+// `apply_pbr_lighting` multiplies by it beside the light functions, so they do not hold it.
+fn contact_visibility(surface: PbrInput) -> f32 {
+#ifdef CONTACT_SHADOWS
+#ifdef DEPTH_PREPASS
+#ifndef LIGHT_RECT
+#ifdef LIGHT_DIRECTIONAL
+    let index = find_light();
+    if index >= lights.n_directional_lights { return 1.0; }
+    let flags = lights.directional_lights[index].flags & DIRECTIONAL_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT;
+    let to_light = lights.directional_lights[index].direction_to_light;
+#else
+    let light = &clustered_lights.data[draw.index.x];
+    let flags = (*light).flags & POINT_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT;
+    let to_light = normalize((*light).position_radius.xyz - surface.world_position.xyz);
+#endif
+    let steps = contact_shadows_settings.linear_steps;
+    if flags != 0u && steps > 0u {
+        let place = surface.world_position.xyz;
+        return pbr_functions::calculate_contact_shadow(place, surface.frag_coord.xy, to_light, steps);
+    }
+#endif
+#endif
+#endif
+    return 1.0;
+}
+
 // The place of a pixel in the whole viewport, where Bevy's functions expect it. An upscaler lets the main pass
 // draw into a part of the viewport.
 fn in_viewport(pixel: vec2<f32>) -> vec2<f32> {
@@ -246,6 +277,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 #endif
 #endif
     if is_out_of_reach(surface) { discard; }
+    if shows_shadows && any(visibility > vec3<f32>(0.0)) { visibility *= contact_visibility(surface); }
     var input = lighting_input(surface);
 #ifdef SEPARATE_TERMS
     let factors = textureLoad(factor_mask, texel, 0).rgb;

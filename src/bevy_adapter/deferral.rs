@@ -2,22 +2,25 @@
 //!
 //! Bevy decides once for all cameras whether a prepared material is forward or deferred. We leave that
 //! decision alone and make another one for marked cameras (`deferred_views`). A `StandardMaterial` is
-//! deferred there if its method is `Auto`. A prepared material of another type no longer shows whether its
-//! method was `Auto` or `Forward`. Such a material is deferred if it has its own shaders for deferred drawing
-//! or has no shaders of its own.
+//! deferred there if its method is `Auto` and Bevy's G-buffer holds all of its features. A prepared material
+//! of another type no longer shows whether its method was `Auto` or `Forward`. Such a material is deferred if
+//! it has its own shaders for deferred drawing or has no shaders of its own.
 
 use std::any::TypeId;
 
-use bevy::asset::{AssetEvent, AssetId, AssetPath, Assets, UntypedAssetId};
+use bevy::asset::{AssetEvent, AssetId, AssetPath, Assets, Handle, UntypedAssetId};
+use bevy::color::LinearRgba;
 use bevy::ecs::prelude::*;
+use bevy::image::Image;
 use bevy::material::{MaterialProperties, OpaqueRendererMethod};
 use bevy::pbr::{
-    DeferredFragmentShader, DeferredVertexShader, Lightmap, Material, MaterialFragmentShader,
-    MaterialVertexShader, StandardMaterial,
+    DeferredFragmentShader, DeferredVertexShader, Material, MaterialFragmentShader, MaterialVertexShader,
+    StandardMaterial,
 };
 use bevy::platform::collections::HashSet;
+use bevy::reflect::structs::Struct;
 use bevy::render::Extract;
-use bevy::render::sync_world::{MainEntity, MainEntityHashSet};
+use bevy::render::sync_world::MainEntity;
 use bevy::shader::{Shader, ShaderRef};
 
 use super::camera::named;
@@ -25,9 +28,11 @@ use super::camera::named;
 /// The reason why a material is drawn forward for marked cameras too.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Forward {
-    /// The material is a `StandardMaterial` whose method is `Forward`, or which transmits light. Bevy's
-    /// deferred shading cannot show transmission.
+    /// The material is a `StandardMaterial` whose method is `Forward`, which transmits light, or which has a
+    /// feature that Bevy's G-buffer does not hold.
     Chosen,
+    /// The mesh has a lightmap. Bevy's deferred shading adds the light that the lightmap holds a second time.
+    Lightmapped,
     /// As `Chosen`, but no mask fits the mesh: light shines through it from behind, or the depth prepass lacks it.
     ChosenUnmasked,
     /// The material's `enable_prepass` is false.
@@ -49,6 +54,9 @@ impl Forward {
     fn advice(&self) -> Option<String> {
         match self {
             Self::Chosen | Self::ChosenUnmasked => None,
+            Self::Lightmapped => {
+                Some("Bevy's deferred shading would add the light of the mesh's lightmap twice".to_owned())
+            }
             Self::NoPrepass => Some("its `enable_prepass` is false".to_owned()),
             Self::FragmentShader(shader) => Some(format!(
                 "its fragment shader{shader} has no deferred counterpart; return one from `deferred_fragment_shader`"
@@ -70,8 +78,8 @@ pub(super) struct Deferral {
     chosen_forward: HashSet<AssetId<StandardMaterial>>,
     /// Materials with diffuse transmission: light that shines on them from behind passes through.
     transmitting: HashSet<AssetId<StandardMaterial>>,
-    /// Entities whose lightmap is sampled bicubically. Only the game's world has this information.
-    pub bicubic_lightmaps: MainEntityHashSet,
+    /// Materials with a feature that Bevy's G-buffer does not hold ([`exceeds_g_buffer`]).
+    exceeding: HashSet<AssetId<StandardMaterial>>,
     /// Types of materials that have been named in the log because they stay forward.
     told: HashSet<TypeId>,
     /// Entities whose material stays forward, with advice. The next frame names them in the log.
@@ -88,7 +96,7 @@ impl Default for Deferral {
             standard_shader,
             chosen_forward: HashSet::default(),
             transmitting: HashSet::default(),
-            bicubic_lightmaps: MainEntityHashSet::default(),
+            exceeding: HashSet::default(),
             told: HashSet::default(),
             to_tell: Vec::new(),
         }
@@ -96,21 +104,29 @@ impl Default for Deferral {
 }
 
 impl Deferral {
-    /// Checks whether a material that Bevy draws forward can be deferred for marked cameras.
+    /// Checks whether a material that Bevy draws forward can be deferred for marked cameras. Where forward meshes
+    /// have no masks, shadows are worth more than the features that Bevy's G-buffer does not hold.
     ///
     /// # Errors
     /// The reason why the material stays forward.
-    pub(super) fn check(&self, id: UntypedAssetId, material: &MaterialProperties) -> Result<(), Forward> {
-        if let Ok(id) = id.try_typed::<StandardMaterial>()
-            && self.chosen_forward.contains(&id)
-        {
-            if self.transmitting.contains(&id) || !material.prepass_enabled {
+    pub(super) fn check(
+        &self,
+        id: UntypedAssetId,
+        material: &MaterialProperties,
+        has_masks: bool,
+    ) -> Result<(), Forward> {
+        let standard = id.try_typed::<StandardMaterial>().ok();
+        if standard.is_some_and(|id| self.chosen_forward.contains(&id)) {
+            if standard.is_some_and(|id| self.transmitting.contains(&id)) || !material.prepass_enabled {
                 return Err(Forward::ChosenUnmasked);
             }
             return Err(Forward::Chosen);
         }
         if !material.prepass_enabled {
             return Err(Forward::NoPrepass);
+        }
+        if has_masks && standard.is_some_and(|id| self.exceeding.contains(&id)) {
+            return Err(Forward::Chosen);
         }
         let fragment = material.get_shader(MaterialFragmentShader);
         let deferred = material.get_shader(DeferredFragmentShader);
@@ -141,7 +157,7 @@ impl Deferral {
     }
 }
 
-type ShaderHandle = bevy::asset::Handle<Shader>;
+type ShaderHandle = Handle<Shader>;
 
 /// Returns a space and the path of a shader in backticks, or nothing if the shader has no path.
 fn name_of(shader: Option<&ShaderHandle>) -> String {
@@ -151,15 +167,34 @@ fn name_of(shader: Option<&ShaderHandle>) -> String {
     }
 }
 
-/// Updates the render methods of standard materials and the lightmaps' sampling.
+/// Whether a material has a feature that Bevy's G-buffer does not hold: anisotropy, coloured reflectance, a
+/// clearcoat with a roughness above 0.5, or a clearcoat whose normals are not those of the base.
+fn exceeds_g_buffer(material: &StandardMaterial) -> bool {
+    let tint = LinearRgba::from(material.specular_tint);
+    let is_grey = tint.red == tint.green && tint.green == tint.blue;
+    let has_own_normals = has_texture(material, "normal_map_texture") // which the coat does not follow
+        || has_texture(material, "clearcoat_normal_texture");
+    material.anisotropy_strength > 0.0
+        || !is_grey
+        || has_texture(material, "specular_tint_texture")
+        || material.clearcoat > 0.0 && (material.clearcoat_perceptual_roughness > 0.5 || has_own_normals)
+}
+
+/// Whether a material has a texture in a named field. Some of these fields are there only with a feature of Bevy's,
+/// which the game may turn on.
+fn has_texture(material: &StandardMaterial, field: &str) -> bool {
+    let texture = material.field(field);
+    let texture = texture.and_then(|field| field.try_downcast_ref::<Option<Handle<Image>>>());
+    texture.is_some_and(Option::is_some)
+}
+
+/// Updates the render methods and features of standard materials.
 ///
 /// Runs in `ExtractSchedule`.
 pub(super) fn collect_methods(
     mut deferral: ResMut<Deferral>,
     mut events: Extract<MessageReader<AssetEvent<StandardMaterial>>>,
     materials: Extract<Res<Assets<StandardMaterial>>>,
-    lightmaps: Extract<Query<(Entity, &Lightmap), Changed<Lightmap>>>,
-    mut unmapped: Extract<RemovedComponents<Lightmap>>,
 ) {
     for event in events.read() {
         match *event {
@@ -169,6 +204,11 @@ pub(super) fn collect_methods(
                     deferral.transmitting.insert(id);
                 } else {
                     deferral.transmitting.remove(&id);
+                }
+                if material.is_some_and(exceeds_g_buffer) {
+                    deferral.exceeding.insert(id);
+                } else {
+                    deferral.exceeding.remove(&id);
                 }
                 let method = material.map(Material::opaque_render_method);
                 if method == Some(OpaqueRendererMethod::Forward) {
@@ -180,18 +220,9 @@ pub(super) fn collect_methods(
             AssetEvent::Removed { id } | AssetEvent::Unused { id } => {
                 deferral.chosen_forward.remove(&id);
                 deferral.transmitting.remove(&id);
+                deferral.exceeding.remove(&id);
             }
             AssetEvent::LoadedWithDependencies { .. } => {}
-        }
-    }
-    for entity in unmapped.read() {
-        deferral.bicubic_lightmaps.remove(&MainEntity::from(entity));
-    }
-    for (entity, lightmap) in &lightmaps {
-        if lightmap.bicubic_sampling {
-            deferral.bicubic_lightmaps.insert(entity.into());
-        } else {
-            deferral.bicubic_lightmaps.remove(&MainEntity::from(entity));
         }
     }
 }

@@ -205,7 +205,7 @@ pub(super) fn queue_deferred(
                 view_key,
                 msaa,
                 &meshes,
-                &deferral,
+                (&deferral, forward.is_supported()),
                 &mut phases,
                 &mut pipelines,
             );
@@ -232,7 +232,7 @@ fn queue_mesh(
     view_key: MeshPipelineKey,
     msaa: &Msaa,
     meshes: &Meshes,
-    deferral: &Deferral,
+    (deferral, has_masks): (&Deferral, bool),
     phases: &mut ViewPhases,
     pipelines: &mut Pipelines,
 ) -> Option<(UntypedAssetId, Forward)> {
@@ -250,10 +250,13 @@ fn queue_mesh(
         phases.masked.remove(entity);
         return None;
     }
-    if let Err(why) = deferral.check(id, properties) {
+    if let Err(why) = deferral.check(id, properties, has_masks) {
         return Some((id, why));
     }
     let mesh = meshes.instances.render_mesh_queue_data(entity)?;
+    if mesh.shared.lightmap_slab_index().is_some() {
+        return Some((id, Forward::Lightmapped));
+    }
     let slabs = meshes.allocator.mesh_slabs(&mesh.mesh_asset_id())?;
     let draw_function = match is_masked {
         false => properties.get_draw_function(DeferredOpaqueDrawFunction)?,
@@ -263,7 +266,7 @@ fn queue_mesh(
     let key = view_key
         | MeshPipelineKey::from_bits_retain(render_mesh.key_bits.bits())
         | alpha_mode_pipeline_key(properties.alpha_mode, msaa)
-        | mesh_key(entity, view_key, &mesh, properties, meshes, deferral);
+        | mesh_key(entity, view_key, &mesh, properties, meshes);
     let pipeline = specialize(key, id.type_id(), render_mesh, material, pipelines)?;
     let batch_set = OpaqueNoLightmap3dBatchSetKey {
         draw_function,
@@ -293,22 +296,15 @@ fn queue_mesh(
 }
 
 /// Returns the part of a pipeline's key that comes from one mesh of the game. It follows Bevy's key for
-/// deferred materials (`specialize_prepass_material_meshes`).
+/// deferred materials (`specialize_prepass_material_meshes`). Meshes with a lightmap are not deferred.
 fn mesh_key(
     entity: MainEntity,
     view_key: MeshPipelineKey,
     mesh: &RenderMeshQueueData,
     material: &MaterialProperties,
     meshes: &Meshes,
-    deferral: &Deferral,
 ) -> MeshPipelineKey {
     let mut key = MeshPipelineKey::DEFERRED_PREPASS;
-    let is_lightmapped = mesh.shared.lightmap_slab_index().is_some();
-    key.set(MeshPipelineKey::LIGHTMAPPED, is_lightmapped);
-    key.set(
-        MeshPipelineKey::LIGHTMAP_BICUBIC_SAMPLING,
-        is_lightmapped && deferral.bicubic_lightmaps.contains(&entity),
-    );
     key.set(
         MeshPipelineKey::VISIBILITY_RANGE_DITHER,
         meshes.ranges.entity_has_crossfading_visibility_ranges(entity),

@@ -20,6 +20,8 @@
 //! | cameras without [`AntumbraCamera`] | rendered by Bevy alone: forward or deferred as they were, with their MSAA |
 //! | opaque and alpha-masked meshes in marked cameras | drawn deferred, lit by Bevy's functions, shadowed by this crate |
 //! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | drawn forward, as for other cameras, and shadowed by this crate (see below) |
+//! | `StandardMaterial`s with features that Bevy's G-buffer does not hold, meshes with a `Lightmap` | drawn forward, too (see below) |
+//! | `ContactShadows` on a marked camera | darken the light of managed lights whose `contact_shadows_enabled` is on, as in Bevy |
 //! | transparent and transmissive meshes, volumetric fog | lit by Bevy, and shadowed by Bevy's maps if `shadow_maps_enabled` is on; the meshes cast shadows of this crate |
 //! | lights without a technique | lit and shadowed by Bevy |
 //! | `PointLight` | a sphere if its `radius` is greater than 0, which techniques with soft shadows use; else a point |
@@ -74,6 +76,17 @@
 //! whose whole surface is a hole casts nothing under every technique. Holes that another type of material cuts
 //! are not known to the adapter. Maps follow a texture whose `Image` changes; pixels that the GPU writes into a
 //! texture are not noticed, and maps that are kept show its holes as they were.
+//!
+//! # What deferred drawing loses
+//!
+//! Bevy's G-buffer has eight bits each for colour, roughness, metallic, reflectance and occlusion, and 16 steps for a
+//! clearcoat and for its roughness. It has no anisotropy, no coloured `specular_tint`, no clearcoat with a roughness above 0.5
+//! or with normals other than those of the base. A `StandardMaterial` with such a feature whose method is `Auto` stays
+//! forward. It is deferred, and loses the feature, if its method is `Deferred` or the device has only four bind groups.
+//! Materials of other types are not examined: give an extension no deferred shader if its base has such a feature.
+//!
+//! Bevy's deferred shading does not know which surfaces have a lightmap. It adds all lights to them, also those whose light
+//! the lightmap holds. So meshes with a `Lightmap` stay forward, unless the method of their material is `Deferred`.
 //!
 //! # Forward meshes
 //!

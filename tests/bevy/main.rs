@@ -8,6 +8,7 @@
 mod core_harness;
 
 mod bad_input;
+mod beside_bevy;
 mod cameras;
 mod cells;
 mod copied;
