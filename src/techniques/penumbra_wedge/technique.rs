@@ -117,13 +117,15 @@ impl Technique for PenumbraWedge {
         let pixels = world.resource::<WedgeOverflow>().pixels();
         if pixels > 0 {
             let view = world.resource::<View>().data.as_ref();
-            round.raise(view.map(|view| view.camera), 2, || {
-                format!(
+            round.state(
+                view.map(|view| view.camera),
+                2,
+                format_args!(
                     "Soft shadows are too light in {pixels} pixels: more than {SPLIT_CAPACITY} hard faces meet there, \
                      which `VisibilityBuffer::Split8` cannot add up. Use `VisibilityBuffer::Float` or, on a device that \
                      cannot blend 32-bit floats, `VisibilityBuffer::Half`. Or split the light less."
-                )
-            });
+                ),
+            );
         }
     }
 
