@@ -143,7 +143,10 @@ fn lights_that_cannot_shine() {
         }),
         (&["colour is", "Set a colour"], |l, _| l.color.y = f32::NAN),
         (
-            &["half-angles are 0.5 and 0.1 radians", "Set the outer"],
+            &[
+                "half-angles are 28.65° inside and 5.73° outside (0.5 and 0.1 radians)",
+                "Set the outer",
+            ],
             |l, _| {
                 l.kind = LightKind::Spot {
                     inner_angle: 0.5,
@@ -336,7 +339,7 @@ fn techniques_that_do_not_fit_their_light() {
     let text = [
         "no shadow",
         "OmniMap does not fit a directional light",
-        "use ShadowMap for a directional light",
+        "use ShadowMap (`shadow_map`) for a directional light",
     ];
     scene.expect("omni_map", light, &text, despawn(light));
     for (kind, name) in [

@@ -103,7 +103,21 @@ fn grid_door(side: usize, bulge: f32) -> Builder {
         .map(|(x, y)| [place(x), place(y), bulge * place(x) * place(y)])
         .collect();
     let positions = builder.floats(&positions);
-    let indices = builder.indices_u16(&[0, 2, 4]);
+    let vertex = |x: usize, y: usize| 2 * (x * side + y) as u16;
+    let cells = (0..side - 1).flat_map(|x| (0..side - 1).map(move |y| (x, y)));
+    let square = |(x, y)| {
+        [
+            vertex(x, y),
+            vertex(x + 1, y),
+            vertex(x + 1, y + 1),
+            vertex(x, y + 1),
+        ]
+    };
+    let triangles: Vec<u16> = cells
+        .map(square)
+        .flat_map(|[a, b, c, d]| [a, b, c, a, c, d])
+        .collect();
+    let indices = builder.indices_u16(&triangles);
     let primitive = json!({"attributes": {"POSITION": positions}, "indices": indices});
     let mesh = builder.push("meshes", json!({"primitives": [primitive]}));
     let extras = json!({"antumbra": {"portal": {"joins": ["left", "right"]}}});
