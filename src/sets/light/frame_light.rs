@@ -288,6 +288,8 @@ impl FrameLight {
             || self.model.bounds() != candidate.model.bounds();
         self.light.clone_from(new);
         self.model = candidate.model;
+        // The light fades towards its own range, even where its shadows end nearer and stay as they are.
+        self.shining = candidate.placed.shining;
         if self.moved {
             self.world_from_light = candidate.world_from_light;
             self.selection = candidate.selection;
@@ -295,7 +297,6 @@ impl FrameLight {
             self.emitter = candidate.placed.emitter;
             self.direction = candidate.placed.direction;
             self.volume = candidate.placed.volume;
-            self.shining = candidate.placed.shining;
             self.doors.clone_from(&candidate.placed.doors);
             self.lit = candidate.placed.lit;
         }
