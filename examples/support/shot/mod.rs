@@ -1,26 +1,11 @@
 //! The shot file: a scene, a camera, lights, and the size of the picture, as JSON.
 //!
-//! `blurred_grounds` lists the receivers on which perspective maps blur their shadows, each with the name of a `node` and
-//! a `radius` in metres (default 0.2): `[{"node": "floor", "radius": 0.3}]`.
+//! [`antumbra::guide::shot_file`] lists all keys. An unknown key is an error, and so is a number that cannot be used.
 //!
 //! # The light model
 //!
-//! Each light may have these keys beside its kind, place and technique. An unknown key is an error, and so is a
-//! number that cannot be used.
-//!
-//! | key | default | meaning |
-//! | --- | --- | --- |
-//! | `shape` | none | barn doors: `width`, `height` of the region of full intensity, `width_edge`, `height_edge` of the edge around it (all half sizes, metres on the plane one metre before the light), `round` from 0 (rectangle) to 1 (ellipse) |
-//! | `distance` | none | `near`, `far`: depths between which the light shines, metres; `near_edge`, `far_edge`: lengths of its edges. Depth is along the axis with a `shape`, and the distance from the light without |
-//! | `weights` | 0, 1, 1 | `ambient`, `diffuse`, `specular`: weights of what the light gives |
-//! | `shadow_color` | 0, 0, 0 | colour of the shadow, linear |
-//! | `shadow_darkness` | 1 | share of the light that casters take away, 0 to 1 |
-//! | `shadow_origin` | the light's position | place from which shadows are cast, metres; not for directional lights |
-//! | `shadow_direction` | the light's direction | direction in which the shadows of a directional light fall |
-//! | `shadow_softness` | the light's size | radius that shadows are cast with, metres: the extent for wedges, the radius of the filter for maps |
-//! | `affects` | all | names of the nodes or layers that the light lights |
-//! | `casts_for` | all | names of the nodes or layers that block the light |
-//! | `shows_on` | all | names of the nodes or layers that show the light's shadows |
+//! Each light may have the keys of [`ShotModel`] beside its kind, place and technique. `affects`, `casts_for` and `shows_on`
+//! are lists of names.
 //!
 //! A name is that of nodes of the scene, which stand for themselves and all nodes below them, or that of a layer in
 //! the `extras.antumbra.layers` of a node.

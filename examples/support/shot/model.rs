@@ -110,6 +110,11 @@ impl ShotModel {
         if self.barn_map.is_some() && self.shape.is_none() {
             return Err("barn_map: it needs `shape`, which it tabulates".to_owned());
         }
+        if self.shadow_origin.is_some() && self.shadow_direction.is_some() {
+            return Err(
+                "shadow_direction: it is for directional lights, which have no `shadow_origin`".to_owned(),
+            );
+        }
         if let Some(cookie) = &self.cookie {
             cookie.check(light.kind)?;
         }

@@ -1,7 +1,7 @@
 // Faces with a matrix: which of them shows a point, how large its texels are there, and the depth of a plane.
 // Host    src/techniques/maps/gpu/constants.rs
 // Spaces  relative: world axes, origin at the eye; clip of a face: reversed depth
-// Twin    techniques::maps::matrix_faces
+// Twin    techniques::maps::matrix_faces, held equal by tests/gpu/maps/matrix_twins.rs
 //
 // The third column of `relative_from_clip` is the light as a homogeneous point, scaled by a positive number: all
 // rays of light meet there. A plane, a row vector, times the matrix is the plane in clip space.

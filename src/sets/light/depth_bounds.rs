@@ -58,11 +58,6 @@ impl DepthBounds {
     pub fn intersects(&self, other: &Self) -> bool {
         self.near <= other.far && other.near <= self.far
     }
-
-    /// Whether a reversed depth value lies inside the range.
-    pub fn contains_depth(&self, depth: f32) -> bool {
-        depth >= self.depth_min && depth <= self.depth_max
-    }
 }
 
 /// Range of view depth of a caster's shadow volume: the caster's box, extruded away from the whole light to

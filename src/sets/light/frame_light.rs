@@ -5,7 +5,7 @@ use std::any::TypeId;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
-use glam::{DVec3, DVec4, Vec3};
+use glam::{DVec4, Vec3};
 use smallvec::SmallVec;
 
 use super::candidate::{Candidate, is_dark};
@@ -16,11 +16,8 @@ use super::placing::Shining;
 use super::scissor::ScissorRect;
 use super::technique::{LightTechnique, Needs};
 use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
-use crate::scene::{Light, LightKind, LightModel, LightSelection, LightTextures};
+use crate::scene::{Light, LightModel, LightSelection, LightTextures};
 use crate::sets::index::objects::Objects;
-
-/// The widest half-angle of a map of a spot light whose shadows are moved, radians: 80°.
-const WIDEST_MAP: f64 = 80.0 / 180.0 * std::f64::consts::PI;
 
 /// One light of the frame: its place, its sets, and the part of the picture that it can reach.
 #[derive(Clone, Debug)]
@@ -205,27 +202,6 @@ impl FrameLight {
         }
     }
 
-    /// The cone that holds what a spot light lights, as seen from the place of its shadows: the unit axis and the
-    /// half-angle in radians, at most 80° if the place was moved. `None` for lights of other kinds.
-    pub fn shadow_cone(&self) -> Option<(DVec3, f64)> {
-        let LightKind::Spot { outer_angle, .. } = self.light.kind else {
-            return None;
-        };
-        let direction = self.direction.as_dvec3().normalize();
-        let half_angle = match self.lit.volume {
-            LightVolume::Cone(cone) => f64::from(cone.half_angle),
-            _ => f64::from(outer_angle),
-        };
-        let lit = self.lit.aabb();
-        if self.model.origin.is_none() || !(lit.min.is_finite() && lit.max.is_finite()) {
-            return Some((direction, half_angle));
-        }
-        let to_lit = lit.center().as_dvec3() - self.point_world.truncate();
-        let share = f64::from(lit.half_size().length()) / to_lit.length().max(1e-9);
-        let half_angle = share.min(1.0).asin().min(WIDEST_MAP);
-        Some((to_lit.try_normalize().unwrap_or(direction), half_angle))
-    }
-
     /// All casters of set L that cast for the light, by dense object index: those of S and those whose shadow is not
     /// seen in this frame.
     pub fn reached_casters<'a>(&'a self, objects: &'a Objects) -> impl Iterator<Item = usize> + 'a {
@@ -288,6 +264,8 @@ impl FrameLight {
             || self.model.bounds() != candidate.model.bounds();
         self.light.clone_from(new);
         self.model = candidate.model;
+        // The light fades towards its own range, even where its shadows end nearer and stay as they are.
+        self.shining = candidate.placed.shining;
         if self.moved {
             self.world_from_light = candidate.world_from_light;
             self.selection = candidate.selection;
@@ -295,7 +273,6 @@ impl FrameLight {
             self.emitter = candidate.placed.emitter;
             self.direction = candidate.placed.direction;
             self.volume = candidate.placed.volume;
-            self.shining = candidate.placed.shining;
             self.doors.clone_from(&candidate.placed.doors);
             self.lit = candidate.placed.lit;
         }

@@ -14,4 +14,5 @@ pub(crate) mod placing;
 pub(crate) mod reach;
 pub(crate) mod scissor;
 pub(crate) mod shadow;
+pub(crate) mod shadow_cone;
 pub(crate) mod technique;

@@ -158,7 +158,7 @@ impl LightMap {
                 // The faces of a handed-over map show about what the view shows.
                 MapShape::Matrices => stretch * f64::from(scissor.width.max(scissor.height)),
                 MapShape::Spot | MapShape::Cube => {
-                    needed_resolution(shape, light, view).unwrap_or(self.needed)
+                    needed_resolution(&self.request, light, view).unwrap_or(self.needed)
                 }
             };
             // The limits are far enough apart that a light at rest in a moving view keeps its map.

@@ -4,7 +4,7 @@
 //! of the picture alone. All points of a ray fall on one texel, whatever the matrix, so any warp gives exact
 //! shadows; it moves texels to where they are needed.
 //!
-//! Twin of `shaders/techniques/maps/matrix.wgsl`.
+//! Twin of `shaders/techniques/maps/matrix.wgsl`, held equal by `tests/gpu/maps/matrix_twins.rs`.
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -148,7 +148,7 @@ fn away(relative_from_clip: &DMat4) -> DVec3 {
 }
 
 /// Returns the depth of a plane at a place of the picture: where the ray of light passes the plane
-/// `normal · point = offset`. `None` if the plane's front does not face the light.
+/// `normal · point = offset`. `None` if the plane's front does not face the light. The shader has it as `plane_in_face`.
 pub fn plane_depth(face: &MapFace, normal: DVec3, offset: f64, ndc: DVec2) -> Option<f64> {
     let relative_from_clip = face.clip_from_relative(DVec3::ZERO).inverse();
     let plane = relative_from_clip.transpose() * normal.extend(-offset);

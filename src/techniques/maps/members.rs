@@ -12,6 +12,7 @@ use super::light_map::LightMap;
 use super::movers::Movers;
 use super::request::{Beside, MapFaces, MapShape};
 use super::settings::MapFilter;
+use super::spot::spot_face;
 use crate::conventions::LIGHT_CLEARANCE;
 use crate::geometry::Aabb;
 use crate::sets::{FrameLight, LightVolume, Objects};
@@ -148,24 +149,9 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> MapF
     let origin = light.point_world.truncate();
     let near = map.near;
     match map.request.shape {
-        MapShape::Spot => {
-            let Some((z, half_angle)) = light.shadow_cone() else {
-                return SmallVec::new();
-            };
-            let (x, y) = z.any_orthonormal_pair();
-            let rim = half_angle.tan();
-            let resolution = f64::from(map.resolution);
-            let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));
-            let guard = f64::from(GUARD_TEXELS).min(0.25 * resolution);
-            let tangent =
-                (rim + softness * (1.0 + rim * rim).sqrt()) * resolution / (resolution - 2.0 * guard);
-            let projection = FaceProjection::Perspective { tangent, near };
-            SmallVec::from_slice(&[MapFace {
-                origin,
-                axes: [x, y, z],
-                projection,
-            }])
-        }
+        MapShape::Spot => spot_face(light, map.request.filter, near, map.resolution)
+            .into_iter()
+            .collect(),
         MapShape::Cube => cube_faces(origin, near, map.resolution).into_iter().collect(),
         MapShape::Cascades => cascade_faces(map, light, scene),
         MapShape::Matrices => {

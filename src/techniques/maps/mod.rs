@@ -15,6 +15,7 @@
 //! | `face` | one picture: position, projection, what it can see |
 //! | `matrix_faces` | faces with a matrix: which shows a point, texel sizes, depths of planes; twin of the shader |
 //! | `movers` | which casters move, and since when they stand still |
+//! | `spot` | the face of a spot light |
 //! | `cube`, `cascades` | the six faces around a light; the boxes that a directional light's maps show |
 //! | `cascade_range` | the view depths that those boxes share out |
 //! | `needed_resolution` | the texels that automatic resolution asks for |
@@ -64,6 +65,7 @@ pub(crate) mod needed_resolution;
 pub(crate) mod packing;
 pub(crate) mod request;
 pub(crate) mod settings;
+pub(crate) mod spot;
 pub(crate) mod systems;
 pub(crate) mod texels;
 

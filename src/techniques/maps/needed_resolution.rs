@@ -4,9 +4,9 @@ use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
 use super::frame_scene::pixel_metres;
-use super::request::MapShape;
+use super::request::{MapRequest, MapShape};
+use super::spot::spot_picture;
 use crate::geometry::Aabb;
-use crate::scene::LightKind;
 use crate::sets::{FrameLight, Projector, ViewData};
 
 /// Lines of sight along the width and the height of the light's scissor.
@@ -17,7 +17,7 @@ const LINES: [u32; 2] = [8, 6];
 ///
 /// The points are where lines of sight enter the boxes of the visible receivers, or leave the box that they begin in.
 /// Cost: 48 lines times the boxes.
-pub fn needed_resolution(shape: MapShape, light: &FrameLight, view: &ViewData) -> Option<f64> {
+pub fn needed_resolution(request: &MapRequest, light: &FrameLight, view: &ViewData) -> Option<f64> {
     let scissor = light.region.scissor?;
     let size = view.viewport.as_dvec2();
     let projector = Projector::new(view);
@@ -44,7 +44,7 @@ pub fn needed_resolution(shape: MapShape, light: &FrameLight, view: &ViewData) -
             } else {
                 pixel * projector.depth(point)
             };
-            let need = side_of_face(shape, light, point)? / pixel;
+            let need = side_of_face(request, light, point)? / pixel;
             if need.is_finite() {
                 needs.push(need);
             }
@@ -55,15 +55,15 @@ pub fn needed_resolution(shape: MapShape, light: &FrameLight, view: &ViewData) -
 }
 
 /// Returns the side of the map's picture at the distance of a point, metres.
-fn side_of_face(shape: MapShape, light: &FrameLight, point: DVec3) -> Option<f64> {
+fn side_of_face(request: &MapRequest, light: &FrameLight, point: DVec3) -> Option<f64> {
     let offset = point - light.point_world.truncate();
-    match (shape, light.light.kind) {
-        (MapShape::Cube, _) => Some(2.0 * offset.abs().max_element()),
-        (MapShape::Spot, LightKind::Spot { outer_angle, .. }) => {
-            let along = offset.dot(light.direction.as_dvec3().normalize());
-            Some(2.0 * f64::from(outer_angle).tan() * along.max(0.0))
+    match request.shape {
+        MapShape::Cube => Some(2.0 * offset.abs().max_element()),
+        MapShape::Spot => {
+            let (axis, tangent) = spot_picture(light, request.filter)?;
+            Some(2.0 * tangent * offset.dot(axis).max(0.0))
         }
-        _ => None,
+        MapShape::Cascades | MapShape::Matrices => None,
     }
 }
 

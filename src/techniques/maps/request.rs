@@ -107,15 +107,23 @@ pub enum MapShape {
 
 /// Half-angle, radians, beyond which a spot light's map has the faces of a cube. A single face would spend
 /// most of its texels near its rim.
-const WIDEST_SPOT: f32 = 1.05;
+const WIDEST_SPOT: f64 = 1.05;
 
 impl MapShape {
-    /// Returns the arrangement that shows everything that a light can shine on.
+    /// Returns the arrangement that shows everything that a light can shine on, from where it shines.
     pub fn of_light(light: &Light) -> Self {
         match light.kind {
             LightKind::Directional => Self::Cascades,
-            LightKind::Spot { outer_angle, .. } if outer_angle <= WIDEST_SPOT => Self::Spot,
+            LightKind::Spot { outer_angle, .. } => Self::of_cone(f64::from(outer_angle)),
             _ => Self::Cube,
+        }
+    }
+
+    fn of_cone(half_angle: f64) -> Self {
+        if half_angle <= WIDEST_SPOT {
+            Self::Spot
+        } else {
+            Self::Cube
         }
     }
 }
@@ -167,6 +175,15 @@ pub struct MapRequest {
 }
 
 impl MapRequest {
+    /// Returns the request with the arrangement of faces that shows all that a spot light lights from the place of its
+    /// shadows ([`FrameLight::shadow_cone`]): barn doors make its cone narrower, and another place sees it from the side.
+    pub fn placed(mut self, light: &FrameLight) -> Self {
+        if let Some((_, half_angle)) = light.shadow_cone() {
+            self.shape = MapShape::of_cone(half_angle);
+        }
+        self
+    }
+
     /// Returns the request with the softness that the light's model gives its shadows, if it gives one
     /// ([`ShadowSoftness`](crate::scene::ShadowSoftness)).
     pub fn softened(mut self, light: &FrameLight) -> Self {

@@ -61,7 +61,9 @@ impl FitInput<'_> {
         let apex = self.light.point_world.truncate();
         if let Some((axis, half_angle)) = self.light.shadow_cone() {
             let angle = half_angle + 1e-5;
-            half_spaces.push(space.half_space(axis, apex));
+            if half_angle <= std::f64::consts::FRAC_PI_2 {
+                half_spaces.push(space.half_space(axis, apex));
+            }
             if angle < std::f64::consts::FRAC_PI_2 {
                 let (x, y) = axis.any_orthonormal_pair();
                 let (sin, cos) = angle.sin_cos();

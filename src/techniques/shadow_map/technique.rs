@@ -26,7 +26,8 @@ pub fn request_shadow_maps(
     maps: Query<&ShadowMap>,
 ) {
     requests.list::<ShadowMap>(&lights, &maps, |map, light| {
-        map.request(&light.light).map(|request| request.softened(light))
+        map.request(&light.light)
+            .map(|request| request.placed(light).softened(light))
     });
 }
 

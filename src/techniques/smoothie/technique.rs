@@ -31,7 +31,8 @@ pub fn request_smoothie_maps(
             .model
             .softness
             .map(|softness| smoothie.softened(softness, &light.light));
-        softened.as_ref().unwrap_or(smoothie).request(&light.light)
+        let request = softened.as_ref().unwrap_or(smoothie).request(&light.light);
+        request.map(|request| request.placed(light))
     });
 }
 

@@ -105,7 +105,9 @@ impl Seen {
     fn is_within(&self, bounds: Option<DepthBounds>) -> bool {
         bounds.is_some_and(|bounds| {
             let depth = self.depth as f32;
-            bounds.contains_depth(self.reversed) && bounds.near <= depth && depth <= bounds.far
+            (bounds.depth_min..=bounds.depth_max).contains(&self.reversed)
+                && bounds.near <= depth
+                && depth <= bounds.far
         })
     }
 }

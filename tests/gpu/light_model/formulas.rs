@@ -147,3 +147,26 @@ fn another_shape_would_be_found() {
         );
     }
 }
+
+#[test]
+fn a_light_fades_towards_its_own_range_when_that_changes_beyond_its_distance() {
+    let mut stage = stage(&strict_context());
+    floor_and_ball(&mut stage);
+    let light = |range| Light::point(Vec3::ONE, 40.0, range);
+    let distance = LightDistance {
+        far: 5.0,
+        far_edge: 1.0,
+        ..LightDistance::default()
+    };
+    let mut of = |range| {
+        relight(&mut stage, light(range), distance);
+        render(&mut stage).radiance
+    };
+    let (far, near) = (of(100.0), of(6.5));
+    let apart = far.iter().zip(&near).filter(|(far, near)| far > near).count();
+    assert!(apart > 1000, "{apart} values tell the ranges apart");
+    let entity = relight(&mut stage, light(100.0), distance);
+    assert_eq!(render(&mut stage).radiance, far);
+    *stage.world.get_mut::<Light>(entity).expect("it is a light") = light(6.5);
+    assert_eq!(render(&mut stage).radiance, near);
+}

@@ -6,6 +6,7 @@ mod blended;
 mod cost;
 mod defaults;
 mod formulas;
+mod moved_spots;
 mod selection;
 mod settings;
 mod shadows;

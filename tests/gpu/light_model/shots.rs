@@ -122,6 +122,10 @@ fn what_is_wrong_is_named() {
             ["lights[0]", "ShadowOrigin", "position"],
         ),
         (
+            json!({"shadow_origin": [1, 3, 0], "shadow_direction": [0, -1, 0]}),
+            ["lights[0]", "shadow_direction: ", "`shadow_origin`"],
+        ),
+        (
             json!({"shadow_colour": [0, 0, 0]}),
             ["lights[0]", "unknown field `shadow_colour`", "`shadow_color`"],
         ),

@@ -12,6 +12,7 @@ mod far_worlds;
 mod filters;
 mod holes;
 mod matrix_faces;
+mod matrix_twins;
 mod models;
 mod peeling;
 mod refusals;
