@@ -20,6 +20,7 @@ struct MapLight {                   // mirror: render::pools::gpu_types::MapLigh
     size: vec4f,                    // texels along a side, 1 / texels, filter radius (at distance 1; parallel: metres), number of faces
     bias: vec4f,                    // share of a texel along the normal, relative and absolute slack, metres to the light
     limits: vec4f,                  // nearest and farthest depth, 1 / reach² (Beside::drop), share of a cascade that passes into the next
+    ending: vec4f,                  // share of the shadow that is left at a relative position: w − dot(xyz, position), clamped
 }
 
 @group(2) @binding(0) var<uniform> map_light: MapLight;

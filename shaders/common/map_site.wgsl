@@ -193,6 +193,7 @@ struct Lookup {
     count: u32,
     sites: array<Site, 2>,
     weight: f32,
+    shadow_left: f32,               // 1, or less where shadows fade out
 }
 
 fn known_site(visibility: f32) -> Site {
@@ -202,17 +203,23 @@ fn known_site(visibility: f32) -> Site {
 }
 
 fn lookup_of_site(site: Site) -> Lookup {
-    return Lookup(1u, array<Site, 2>(site, known_site(1.0)), 1.0);
+    return Lookup(1u, array<Site, 2>(site, known_site(1.0)), 1.0, 1.0);
 }
 
-// The finest cascade that shows the receiver; near its border, it blends into the next cascade.
+// The finest cascade that shows the receiver; near its border, it blends into the next cascade. Before the view depth at
+// which shadows are to end, they fade out.
 fn lookup_in_cascades(receiver: Receiver, count: u32) -> Lookup {
+    let shadow_left = clamp(map_light.ending.w - dot(map_light.ending.xyz, receiver.position), 0.0, 1.0);
+    if shadow_left == 0.0 {
+        return lookup_of_site(known_site(1.0));
+    }
     let chosen = choose_cascades(receiver, count);
     if chosen.finest == count {
         return lookup_of_site(known_site(1.0)); // beyond the last cascade
     }
     var out = lookup_of_site(site_in_cascade(chosen.finest, receiver));
     out.weight = chosen.weight;
+    out.shadow_left = shadow_left;
     if chosen.weight < 1.0 && chosen.next < count {
         out.sites[1] = site_in_cascade(chosen.next, receiver);
         out.count = 2u;
@@ -222,5 +229,6 @@ fn lookup_in_cascades(receiver: Receiver, count: u32) -> Lookup {
 
 // Visibility of a lookup from that of its sites.
 fn blended(lookup: Lookup, seen: array<f32, 2>) -> f32 {
-    return select(seen[0], mix(seen[1], seen[0], lookup.weight), lookup.count == 2u);
+    let visibility = select(seen[0], mix(seen[1], seen[0], lookup.weight), lookup.count == 2u);
+    return select(mix(1.0, visibility, lookup.shadow_left), visibility, lookup.shadow_left == 1.0);
 }

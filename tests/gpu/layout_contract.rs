@@ -114,7 +114,7 @@ fn mirrors() -> Vec<Mirror> {
             clearcoat_roughness_slot,
         } in "passes/ambient.wgsl", array: false),
         mirror!(MapFace { row_x, row_y, row_z, projection, clip_from_relative, relative_from_clip } in "techniques/maps/resolve.wgsl", array: true),
-        mirror!(MapLight { faces, size, bias, limits } in "techniques/maps/resolve.wgsl", array: false),
+        mirror!(MapLight { faces, size, bias, limits, ending } in "techniques/maps/resolve.wgsl", array: false),
         mirror!(Window { spans, inverse_width, last_texel, shining, unused }
             in "techniques/occlusion_interval/resolve.wgsl", array: false),
         mirror!(smoothies, SmoothieEdge { start, width_start, end, width_end, next, kind }

@@ -10,6 +10,7 @@ use bevy_ecs::prelude::*;
 
 use super::cascade_range::{cascade_range, pixels_of_texel};
 use super::face_state::{FaceState, Stale};
+use super::format_steps::coarse_distance;
 use super::frame_scene::Scene;
 use super::light_map::{LightMap, asker};
 use super::members::{
@@ -17,7 +18,7 @@ use super::members::{
 };
 use super::movers::{Movers, Remap};
 use super::request::MapShape;
-use super::settings::{MapError, MapReport, MapResolution, MapSettings};
+use super::settings::{MapError, MapFormat, MapReport, MapResolution, MapSettings};
 use crate::sets::{FrameLights, Objects, View};
 use crate::techniques::shared::texture_memory::TextureMemory;
 
@@ -107,7 +108,12 @@ impl Maps {
                     continue;
                 }
             }
-            map.reach = farthest(light, map.casters.ones(), scene.objects);
+            let reach = farthest(light, map.casters.ones(), scene.objects);
+            // The lookup scales all faces by one reach.
+            if map.reach != reach && map.request.format != MapFormat::Depth {
+                map.forget();
+            }
+            map.reach = reach;
             map.near = map.request.near.map_or_else(
                 || near_plane(light, map.casters.ones(), scene.objects, map.reach).metres,
                 f64::from,
@@ -175,8 +181,8 @@ impl Maps {
         }
     }
 
-    /// Reports the lights whose shadow is much coarser than the picture.
-    fn report_coarse(&mut self, scene: &Scene) {
+    /// Reports the lights whose shadow is much coarser than the picture, or than the distance of what is shadowed.
+    fn report_coarse(&mut self, scene: &Scene, lights: &FrameLights) {
         for map in self.lights.iter().filter(|map| map.active) {
             let pixels = match (map.request.shape, map.request.resolution) {
                 (MapShape::Cascades, _) => pixels_of_texel(map, &map.range, scene.view),
@@ -189,6 +195,14 @@ impl Maps {
                     entity: map.entity,
                     error: MapError::Coarse {
                         pixels: pixels.round() as u32,
+                    },
+                });
+            }
+            if let Some(metres) = coarse_distance(map, &lights.lights[map.light]) {
+                self.reports.push(MapReport {
+                    entity: map.entity,
+                    error: MapError::Steps {
+                        centimetres: (metres * 100.0).round() as u32,
                     },
                 });
             }
@@ -260,5 +274,5 @@ pub fn build_maps(
     };
     maps.collect_candidates(&scene, &lights);
     maps.take_in(settings.face_updates);
-    maps.report_coarse(&scene);
+    maps.report_coarse(&scene, &lights);
 }

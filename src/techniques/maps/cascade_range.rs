@@ -19,8 +19,8 @@ const LARGEST_PIXEL: f64 = 1.0 / 32.0;
 /// filters need room around a shadow. By eye.
 const ROOM: f64 = 0.25;
 
-/// Returns the range of view depth in which a directional light's shadows are seen. `distance` is the depth beyond which
-/// none is wanted, `softness` the radius of the filter, metres.
+/// Returns the range of view depth in which a directional light's shadows are seen. `distance` is the view depth beyond
+/// which none is wanted, `softness` the radius of the filter, both in metres.
 ///
 /// Cost: O(set S), and the receivers near the camera.
 pub fn cascade_range(
@@ -37,11 +37,13 @@ pub fn cascade_range(
     let scale = view.frustum.shape().forward.length();
     let last = with_room(last_shadow(light, objects, view), softness / scale);
     let (around, apart) = nearest_receivers(light, objects, view.eye);
+    let end = distance / scale;
     DepthRange {
         near: view.near,
         nearest: around.min(apart) / scale,
         apart: apart / scale,
-        far: seen.min(distance).min(last),
+        far: seen.min(end).min(last),
+        end: end.is_finite().then_some(end),
     }
 }
 

@@ -16,6 +16,13 @@ use crate::sets::ViewData;
 /// Margin between a ball and its box, as a share of the ball's radius.
 const MARGIN: f64 = 1.0 / 16.0;
 
+/// Border of a cascade that is not looked up, texels, beside the reach of its filter. Twin of `choose_cascades` in
+/// `shaders/common/map_site.wgsl`.
+pub const BORDER: f64 = 3.0;
+
+/// Radius of a filter, metres, beyond which boxes grow no further, so that their sizes stay finite in `f32`.
+const WIDEST_FILTER: f64 = 1e9;
+
 /// Step in depth, as a share of the box's half side. A box may reach this much further to the light than its
 /// casters.
 const DEPTH_STEP: f64 = 0.5;
@@ -34,6 +41,8 @@ pub struct DepthRange {
     pub apart: f64,
     /// Depth beyond which no shadow is seen.
     pub far: f64,
+    /// Depth at which shadows are to end, if that was asked for.
+    pub end: Option<f64>,
 }
 
 /// Ratio of the range's ends up to which the division follows [`Cascades::log_share`] alone.
@@ -49,12 +58,14 @@ fn in_steps(depth: f64, round: impl Fn(f64) -> f64) -> f64 {
 
 /// Returns the view depths between which the cascades lie, nearest first; `count + 1` of them.
 ///
-/// Both ends of the range are rounded. Beyond a ratio of 256 between them, equal parts would be so long that the first
-/// one shows little near the camera. The equal share of the division therefore shrinks as the ratio grows, and counts up
-/// to that ratio only.
+/// Both ends of the range are rounded, but not beyond the depth at which shadows are to end. Beyond a ratio of 256 between
+/// them, equal parts would be so long that the first one shows little near the camera. The equal share of the division
+/// therefore shrinks as the ratio grows, and counts up to that ratio only.
 pub fn split_depths(cascades: &Cascades, range: &DepthRange) -> [f64; MOST_CASCADES as usize + 1] {
     let near = range.near;
-    let far = in_steps(range.far.min(1e7 * near).max(near * 1.001), f64::ceil);
+    let least = near * 1.001;
+    let far = in_steps(range.far.min(1e7 * near).max(least), f64::ceil);
+    let far = range.end.map_or(far, |end| far.min(end.max(least)));
     // Without a bound, a receiver beside the camera would spend all cascades on the first metre.
     let nearest = in_steps(range.nearest.clamp(far / LARGEST_RATIO, far), f64::floor);
     let first = near.max(nearest.min(far / MODERATE_RATIO));
@@ -77,9 +88,14 @@ pub fn split_depths(cascades: &Cascades, range: &DepthRange) -> [f64; MOST_CASCA
 }
 
 /// Does what [`split_depths`] does for an orthographic view, whose pixels are equally large everywhere. All
-/// cascades have the same depth, and their total depth is rounded up.
-pub fn even_splits(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASCADES as usize + 1] {
-    let length = in_steps((far - near).max(1e-3), f64::ceil);
+/// cascades have the same depth, and their total depth is rounded up, but not beyond the depth at which shadows are to end.
+pub fn even_splits(cascades: &Cascades, range: &DepthRange) -> [f64; MOST_CASCADES as usize + 1] {
+    const LEAST: f64 = 1e-3;
+    let (near, far) = (range.near, range.far);
+    let length = in_steps((far - near).max(LEAST), f64::ceil);
+    let length = range
+        .end
+        .map_or(length, |end| length.min((end - near).max(LEAST)));
     std::array::from_fn(|i| near + length * (i as f64 / f64::from(cascades.count)).min(1.0))
 }
 
@@ -109,7 +125,8 @@ pub fn slice_ball(view: &ViewData, near: f64, far: f64) -> (DVec3, f64) {
     (shape.eye + forward * middle, radius_sq.sqrt())
 }
 
-/// Fits the box of one part of the view depth.
+/// Fits the box of one part of the view depth, with room for a filter of the radius `softness`, metres, around whatever is
+/// in that part.
 ///
 /// `nearest_caster` returns the smallest distance, along the light's direction, of the casters in a box, or
 /// `None` if there are none.
@@ -118,13 +135,20 @@ pub fn fit(
     towards: DVec3,
     depths: (f64, f64),
     resolution: u32,
+    softness: f64,
     nearest_caster: impl Fn(&MapFace) -> Option<f64>,
 ) -> MapFace {
     let (center, radius) = slice_ball(view, depths.0, depths.1);
     let z = -towards.normalize();
     let (x, y) = z.any_orthonormal_pair();
-    let half = radius * (1.0 + MARGIN);
-    let texel = 2.0 * half / f64::from(resolution);
+    let texels = f64::from(resolution);
+    // The border is a share of the box that it enlarges.
+    let enlarged = |half: f64, border: f64| {
+        (half + softness.min(WIDEST_FILTER)) / (1.0 - (2.0 * border / texels).min(0.5))
+    };
+    // A box of few texels moves by one texel, half of which may be more than the margin.
+    let half = enlarged(radius * (1.0 + MARGIN), BORDER).max(enlarged(radius, BORDER + 0.5));
+    let texel = 2.0 * half / texels;
     let step = texel * (2.0 * MARGIN * radius / texel).floor().max(1.0);
     let snap = |axis: DVec3, step: f64| axis * ((axis.dot(center) / step).round() * step);
     let depth_step = half * DEPTH_STEP;

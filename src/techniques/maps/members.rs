@@ -172,10 +172,11 @@ fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<
     let cascades = &map.request.cascades;
     let range = &map.range;
     let splits = if scene.view.is_orthographic() {
-        even_splits(cascades, range.near, range.far)
+        even_splits(cascades, range)
     } else {
         split_depths(cascades, range)
     };
+    let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));
     let boxes = &scene.objects.boxes;
     let towards = light.point_world.truncate();
     let nearest_caster = |face: &MapFace| {
@@ -190,7 +191,14 @@ fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<
     (0..cascades.count as usize)
         .map(|i| {
             let depths = (splits[i], splits[i + 1]);
-            fit(scene.view, towards, depths, map.resolution, nearest_caster)
+            fit(
+                scene.view,
+                towards,
+                depths,
+                map.resolution,
+                softness,
+                nearest_caster,
+            )
         })
         .collect()
 }

@@ -18,6 +18,7 @@
 //! | `spot` | the face of a spot light |
 //! | `cube`, `cascades` | the six faces around a light; the boxes that a directional light's maps show |
 //! | `cascade_range` | the view depths that those boxes share out |
+//! | `format_steps` | distances that the bytes of a format cannot tell apart |
 //! | `needed_resolution` | the texels that automatic resolution asks for |
 //! | `members` | the faces of a light, and the casters of each |
 //! | `light_map`, `face_state` | the map of one light, and what each of its faces shows |
@@ -52,6 +53,7 @@ pub(crate) mod cube;
 pub(crate) mod debug_lines;
 pub(crate) mod face;
 pub(crate) mod face_state;
+pub(crate) mod format_steps;
 pub(crate) mod frame_scene;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;

@@ -118,10 +118,13 @@ pub enum MapFormat {
     /// §12.2.3.
     R32Float,
     /// The texel holds the squared distance in two of four bytes, by the cheaper method of Gerasimov 2004,
-    /// §12.3. The steps are 1/65280 of the squared range, so this format is coarse near the light.
+    /// §12.3. The steps are 1/65280 of the squared range: distances below 1/255 of the range look alike. Without a
+    /// range, that of the farthest caster counts; a lamp over an open field then shows no shadows near it, which is
+    /// reported.
     Rgba8TwoBytes,
-    /// The texel holds the squared distance in four bytes, by the other method of Gerasimov 2004, §12.3. This
-    /// format is as exact as a float.
+    /// The texel holds the squared distance in four bytes, by the other method of Gerasimov 2004, §12.3. It is
+    /// about as exact as a float farther from the light than 1/200 of the range or, without a range, of the distance
+    /// of the farthest caster.
     Rgba8FourBytes,
 }
 
@@ -143,8 +146,9 @@ pub enum MapSurface {
     /// The map holds the surface nearest to the light. This is the fastest choice, and right for any caster.
     #[default]
     Nearest,
-    /// The map holds the second surface, or the nearest where there is only one. Source: Wang & Molnar 1994,
-    /// "Second-Depth Shadow Mapping".
+    /// The map holds the second surface, or the nearest where there is only one. This is for closed casters: a
+    /// single sheet, such as a leaf or a banner, casts no shadow on the first surface behind it. Source: Wang &
+    /// Molnar 1994, "Second-Depth Shadow Mapping".
     Second,
     /// The map holds the middle between the nearest and the second surface. Source: Woo 1992, "The Shadow
     /// Depth Map Revisited".
@@ -306,9 +310,9 @@ pub struct Cascades {
     /// one map. Default: 4.
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 4)))]
     pub count: u32,
-    /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
-    /// nearby. Default: infinite, which reaches as far as shadows are seen that are half a pixel long. In pictures of few
-    /// pixels, a pixel counts as at most 1.8° wide.
+    /// View depth in metres beyond which nothing is shadowed, greater than 0. Shadows fade out before it, over the share
+    /// `blend` of it. Lower values give finer texels nearby. Default: infinite, which reaches as far as shadows are seen
+    /// that are half a pixel long. In pictures of few pixels, a pixel counts as at most 1.8° wide.
     #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 50.0))]
     pub distance: f32,
     /// Logarithmic share of the division of depth, 0 to 1. 0 makes equal parts of the view depth; 1 makes
@@ -318,7 +322,8 @@ pub struct Cascades {
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     pub log_share: f32,
     /// Share of a cascade, at its border, in which it blends into the next; 0 to 0.5. Higher values hide the
-    /// change of resolution better, but more pixels look up two maps. Default: 0.1.
+    /// change of resolution better, but more pixels look up two maps. Where `distance` is set, it is also the share of it
+    /// over which shadows fade out. Default: 0.1.
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 0.5)))]
     pub blend: f32,
 }
@@ -382,6 +387,12 @@ pub enum MapError {
     Coarse {
         /// Number of pixels along a side that a texel covers where the nearest receivers are.
         pixels: u32,
+    },
+    /// The steps of the map's format are too long for what the light shines on.
+    #[error("its format tells hardly any distances apart within {centimetres} cm of the light")]
+    Steps {
+        /// Distance from the light, centimetres, within which steps are about as long as the distance.
+        centimetres: u32,
     },
 }
 

@@ -83,6 +83,7 @@ pub fn report<T: 'static>(world: &World, round: &mut Round) {
                 9,
                 "Give the light a shorter range, or its cascades a shorter `distance`; or raise `most` of the resolution.",
             ),
+            MapError::Steps { .. } => (10, "Give the light a shorter range, or choose another `format`."),
         };
         round.state(
             Some(report.entity),

@@ -3,13 +3,10 @@
 use bevy_ecs::prelude::*;
 
 use super::Maps;
+use super::cascades::BORDER;
 use super::request::MapShape;
 use crate::techniques::registry::TexelLookup;
 use crate::techniques::shared::pictures::{Chosen, Picture, texel_lookup};
-
-/// Border of a cascade that is not looked up, texels, beside the reach of its filter. Twin of `choose_cascades` in
-/// `shaders/common/map_site.wgsl`.
-const BORDER: f64 = 3.0;
 
 /// Returns what counts the texels of a light's map, as it was drawn last; `None` if it is not looked up.
 pub fn texels(world: &World, light: usize) -> Option<TexelLookup<'_>> {

@@ -2,6 +2,7 @@
 //! whatever is asked for, there is an answer.
 
 mod cache;
+mod cascade_ends;
 mod cascades;
 mod close_lamps;
 mod contacts;
@@ -10,6 +11,7 @@ mod dungeon;
 mod faint;
 mod far_worlds;
 mod filters;
+mod format_steps;
 mod holes;
 mod matrix_faces;
 mod matrix_twins;

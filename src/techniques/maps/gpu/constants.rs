@@ -7,7 +7,7 @@ use crate::techniques::maps::face::{FaceProjection, MapFace as Face};
 use crate::techniques::maps::light_map::LightMap;
 use crate::techniques::maps::packing::{FOUR_BYTES_STEP, TWO_BYTES_STEP};
 use crate::techniques::maps::request::MapShape;
-use crate::techniques::maps::settings::{MapBias, MapFilter, MapFormat};
+use crate::techniques::maps::settings::{Cascades, MapBias, MapFilter, MapFormat};
 
 /// Share of a texel by which a plane is raised; half of it is added for each texel of the filter's radius. It
 /// is enough for surfaces that bend by some 8° between neighbouring texels, and too little to separate a
@@ -79,7 +79,27 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
         _ => (map.reach * map.reach).recip() as f32,
     };
     constants.limits = [depth_bounds.0, depth_bounds.1, scale, request.cascades.blend];
+    constants.ending = NO_END;
     constants
+}
+
+/// [`MapLight::ending`] of shadows that end nowhere.
+const NO_END: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+
+/// Shortest length, metres, over which shadows fade out before the depth at which they end.
+const SHORTEST_FADE: f64 = 1e-6;
+
+/// Returns [`MapLight::ending`] of a directional light's cascades in a view that looks along `forward`.
+pub fn ending(cascades: &Cascades, forward: DVec3) -> [f32; 4] {
+    let distance = f64::from(cascades.distance);
+    if !distance.is_finite() {
+        return NO_END;
+    }
+    let fade = (f64::from(cascades.blend) * distance).max(SHORTEST_FADE);
+    (forward.normalize() / fade)
+        .extend(distance / fade)
+        .as_vec4()
+        .to_array()
 }
 
 /// Makes the shader's constants of one face.

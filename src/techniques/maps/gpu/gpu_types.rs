@@ -38,6 +38,8 @@ pub struct MapLight {
     /// [`Beside::drop`](crate::techniques::maps::request::Beside::drop)), share of a cascade that is blended into the
     /// next.
     pub limits: [f32; 4],
+    /// The share of a cascade's shadow that is left at an eye-relative position `p` is `w − dot(xyz, p)`, clamped to 0..=1.
+    pub ending: [f32; 4],
 }
 
 /// Mirror of `MapCaster` in `shaders/techniques/maps/caster.wgsl`.

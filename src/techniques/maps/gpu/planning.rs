@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec3};
 
-use super::constants::map_constants;
+use super::constants::{ending, map_constants};
 use super::gpu_types::MapCaster;
 use super::pipelines::{Key, Peel, filter_constant};
 use super::plans::{FacePlan, LightPlan};
@@ -221,9 +221,11 @@ impl MapNode {
         let lights = world.resource::<FrameLights>();
         let bounds = lights.lights[map.light].region.depth_bounds;
         let bounds = bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min));
-        self.constants
-            .constants
-            .push(&map_constants(map, view.eye, bounds));
+        let mut constants = map_constants(map, view.eye, bounds);
+        if parallel {
+            constants.ending = ending(&request.cascades, view.frustum.shape().forward);
+        }
+        self.constants.constants.push(&constants);
         let draw_count = self.draws.draws.len() - first_draw;
         let frusta = self.plan_frusta(map, input, view)?;
         self.lights.push(LightPlan {
