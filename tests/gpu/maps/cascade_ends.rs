@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::reference::{RayScene, primary_hits};
+use antumbra::reference::{RayScene, SurfaceHit, primary_hits};
 use antumbra::scene::ShadowSoftness;
 use antumbra::techniques::maps::{MapFilter, MapResolution};
 use antumbra::techniques::shadow_map::Cascades;
@@ -145,8 +145,9 @@ fn shadows_fade_out_before_the_depth_at_which_they_end() {
             let fade = f64::from(of.blend) * distance;
             let (mut dark, mut fading, mut lit) = (0, 0, 0);
             for (hit, seen) in hits.hits.iter().zip(seen) {
-                let Some(hit) =
-                    hit.filter(|hit| hit.normal.y > 0.5 && hit.position.abs().max_element() < 18.0)
+                // The top of the floor; the lowest lines of sight of the orthographic camera begin inside of it.
+                let is_top = |hit: &SurfaceHit| hit.normal.y > 0.5 && hit.position.y.abs() < 0.1;
+                let Some(hit) = hit.filter(|hit| is_top(hit) && hit.position.abs().max_element() < 18.0)
                 else {
                     continue;
                 };
