@@ -263,7 +263,7 @@ const SPOILT: [Spoilt; 53] = [
     (
         "crossed cones",
         |s| s["lights"][1]["inner_deg"] = json!(40),
-        &["lights[1]", "40.00° inside, 30.00° outside"],
+        &["lights[1]", "40.00° inside and 30.00° outside"],
     ),
     (
         "no direction",
