@@ -65,7 +65,7 @@ fn grounds_and_domes_of_kilometres_leave_shadows_as_they_are() {
             println!(
                 "{kind:?}, ground {ground}, dome {dome:?}: error {wide:.4}, {near:.4} near, {lit:.4} without"
             );
-            assert!(wide < 1.25 * near + 0.003, "{kind:?}: {wide}, {near}");
+            assert!(wide < 1.25 * near + 0.004, "{kind:?}: {wide}, {near}");
             assert_eq!(messages, [""; 0], "{kind:?}");
         }
     }
