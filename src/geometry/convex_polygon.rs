@@ -74,6 +74,7 @@ impl CommonPlane {
 
     /// Returns the indices of the corners of the convex hull of points in the plane, in order. Points on its border are no
     /// corners.
+    #[cfg(any(feature = "gltf", test))]
     pub fn hull(&self, points: &[DVec3]) -> SmallVec<[usize; 8]> {
         let (right, up) = self.normal.any_orthonormal_pair();
         let flat: SmallVec<[DVec2; 8]> = points

@@ -52,6 +52,7 @@ impl PlacementItem<'_, '_> {
 
 /// The matrix in `f64` that an entity is drawn and casts with; `None` for one that is left out. It is
 /// [`PlacementItem::world_from_local`], for code that has the world instead of a query.
+#[cfg(feature = "render")]
 pub fn world_from_local(world: &World, entity: Entity) -> Option<DMat4> {
     let transform = world.get::<GlobalTransform>(entity)?;
     let is_skinned = world.get::<Skin>(entity).is_some();
