@@ -154,7 +154,7 @@ fn a_mesh_that_changes_in_every_frame_casts() {
     for frame in 0..50 {
         assert!(step(&mut game, 1.0 + frame as f32 * 1e-3).0, "frame {frame}");
     }
-    // What is drawn is lit at once, even if the new shape is not ready.
+    // The object is drawn with its new shape at once, and must be lit there, even if that shape does not cast yet.
     step(&mut game, 3.0);
     let (_, top, _) = step(&mut game, 3.0);
     assert!(top >= 1.5, "{top}");

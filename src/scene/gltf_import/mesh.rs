@@ -116,7 +116,7 @@ struct Import<'i, 'a> {
     accessors: &'i Accessors<'a>,
     /// The triangles of compressed primitives.
     decoded: &'i Corners,
-    /// What the alpha of vertex colours means under each material.
+    /// The meaning of the vertex colours' alpha under each material.
     vertex_alpha: &'i [VertexAlpha],
     index: usize,
     report: &'i mut Report,
@@ -234,7 +234,7 @@ impl Import<'_, '_> {
         material.copied().unwrap_or_default()
     }
 
-    /// What the vertices of a primitive are made from: accessors, and the material if it changes them.
+    /// The sources of a primitive's vertices: its accessors, and its material if that changes them.
     fn run_key(&self, primitive: &Primitive) -> Vec<Option<usize>> {
         let mut key = vertex_key(primitive);
         let changes = self.vertex_alpha_of(primitive) != VertexAlpha::Multiplies;

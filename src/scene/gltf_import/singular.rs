@@ -37,7 +37,7 @@ pub(super) fn report(nodes: &[GltfNode], meshes: &[GltfMesh], clips: &[Animation
         let outer = GlobalTransform::from(node.stretch.unwrap_or_default());
         let placed_from_local = outer * node.transform;
         let affine = placed_from_local.affine();
-        // What is not finite is reported where it is read.
+        // Values that are not finite are reported where they are read.
         let is_finite = affine.is_finite() && affine.matrix3.determinant().is_finite();
         let is_lost = has_mesh[index] && !is_scaled[index];
         if is_finite && is_lost && placed(&placed_from_local, false).is_none() {

@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-/// What the alpha of vertex colours does to the surface of a material.
+/// The effect of the vertex colours' alpha on the surface of a material.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum VertexAlpha {
     /// It multiplies the alpha of the surface, as in every material whose mode is that of the file.

@@ -39,8 +39,8 @@ pub struct LightSlices {
     pub casters: FixedBitSet,
     /// Those of the casters that fill the next slice too.
     pub closing: FixedBitSet,
-    /// Those of the casters that every ray enters through a front and leaves through a back. Combinations that take slices to be
-    /// independent draw their fronts alone: a ray would otherwise count twice, if front and back lie in different slices.
+    /// The closed casters: every ray enters them through a front and leaves them through a back. Combinations that take slices
+    /// to be independent draw their fronts alone: a ray would otherwise count twice, if front and back lie in different slices.
     pub solid: FixedBitSet,
     /// Whether the pictures are too coarse for most casters at the resolution that was asked for.
     pub coarse: Option<Coarse>,

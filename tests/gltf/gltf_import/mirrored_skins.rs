@@ -65,7 +65,7 @@ fn fronts_of_mirrored_skins_stay_fronts() {
     let mut joint = animated();
     joint.json["nodes"][1]["scale"] = json!([-1, 1, 1]);
     assert_near(corners(&joint)[1], -Vec3::X);
-    // Of inverse bind matrices that mirror back nothing is left.
+    // Inverse bind matrices that mirror as well cancel the mirroring.
     let back = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     let second = back * Mat4::from_translation(Vec3::new(0.0, -2.0, 0.0));
     let binds = joint.floats(&[back.to_cols_array(), second.to_cols_array()]);

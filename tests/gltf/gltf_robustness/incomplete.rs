@@ -1,4 +1,4 @@
-//! What is drawn otherwise than its author meant is reported.
+//! Reports of surfaces that are drawn otherwise than their author meant.
 
 use antumbra::scene::AlphaMode;
 use antumbra::scene::gltf_import::SkipKind;
