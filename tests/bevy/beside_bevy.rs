@@ -256,8 +256,8 @@ fn contact_shadows_of_managed_lights_are_bevys() {
     }
 }
 
-/// What a floor shows of two equal lights, of which one is managed: Bevy's picture, ours, and ours with a cube in the
-/// light's way.
+/// Draws a floor under two equal lights, of which one is managed. Returns Bevy's picture, ours, and ours with a cube in the way of
+/// the light.
 fn of_two_lights(game: &mut Game, method: OpaqueRendererMethod, light: impl Bundle + Clone) -> [Picture; 3] {
     let world = game.clear().world();
     let cameras = pair(world);
