@@ -190,21 +190,26 @@ impl Light {
 }
 
 /// Unit direction in which a light of this kind shines, in world space: local −Z. A rectangle shines at right angles to its
-/// plane, to the side of local −Z; a transform with shear makes these differ. A transform that is flat along Z alone faces
-/// where its other axes say. `None` if it flattens more, or is not finite.
+/// plane, to the side of local −Z; a transform with shear makes these differ. Without a plane it shines along local −Z as well.
+/// A transform that is flat along Z alone faces where its other axes say. `None` if it flattens more, or is not finite.
 pub fn light_direction(kind: LightKind, world_from_light: &GlobalTransform) -> Option<Vec3> {
     let matrix = world_from_light.affine().matrix3;
+    if !matrix.is_finite() {
+        return None;
+    }
+    let unit = |axis: Vec3A| Vec3::from(axis).try_normalize();
+    let sides = unit(matrix.x_axis).zip(unit(matrix.y_axis));
+    let normal = sides.and_then(|(right, up)| right.cross(up).try_normalize());
     let is_flat = matrix.z_axis == Vec3A::ZERO;
-    let back = if is_flat || matches!(kind, LightKind::Rect { .. }) {
-        let unit = |axis: Vec3A| Vec3::from(axis).try_normalize();
-        let normal = unit(matrix.x_axis)?.cross(unit(matrix.y_axis)?);
-        if matrix.determinant() < 0.0 {
-            -normal
-        } else {
-            normal
+    let back = match normal {
+        Some(normal) if is_flat || matches!(kind, LightKind::Rect { .. }) => {
+            if matrix.determinant() < 0.0 {
+                -normal
+            } else {
+                normal
+            }
         }
-    } else {
-        matrix.z_axis.into()
+        _ => matrix.z_axis.into(),
     };
     (-back).try_normalize()
 }
@@ -256,7 +261,9 @@ mod tests {
             let front = -Vec3::from(matrix.z_axis);
             assert!(direction.dot(front) > 0.1, "{scale}: {direction} before {front}");
         }
-        let flat = GlobalTransform::from(Transform::from_scale(Vec3::new(0.0, 1.0, 1.0)));
-        assert_eq!(light_direction(RECT, &flat), None);
+        let flat = |scale| light_direction(RECT, &GlobalTransform::from(Transform::from_scale(scale)));
+        assert_eq!(flat(Vec3::new(0.0, 1.0, 1.0)), Some(Vec3::NEG_Z));
+        assert_eq!(flat(Vec3::new(0.0, 1.0, 0.0)), None);
+        assert_eq!(flat(Vec3::new(f32::NAN, 1.0, 1.0)), None);
     }
 }
