@@ -1,11 +1,14 @@
 //! Writes what a view's shaders know of each light that this crate lights it with.
 
+use bevy::camera::visibility::RenderLayers;
 use bevy::color::ColorToComponents;
 use bevy::ecs::prelude::*;
 use bevy::pbr::{
-    ExtractedDirectionalLight, ExtractedRectLight, GlobalClusterableObjectMeta, MeshPipelineKey,
+    ExtractedDirectionalLight, ExtractedRectLight, GlobalClusterableObjectMeta, MAX_DIRECTIONAL_LIGHTS,
+    MAX_RECT_LIGHTS, MeshPipelineKey,
 };
 use bevy::render::render_resource::BufferUsages;
+use bevy::render::sync_world::MainEntity;
 use bytemuck::Zeroable;
 use glam::{Vec3, Vec4};
 
@@ -18,11 +21,16 @@ use super::view_state::{DrawSlot, LightDraw, Managed, Unindexed};
 use crate::render::Renderer;
 use crate::sets::{FrameLight, FrameLights, Objects, VisibleSet};
 
+type Directional<'a> = (Entity, &'a ExtractedDirectionalLight, &'a RenderLayers);
+
+/// The components that Bevy queries rectangles by. It shows the first few in the order of this query.
+type Rect<'a> = (Entity, &'a MainEntity, &'a ExtractedRectLight, &'a RenderLayers);
+
 /// Bevy's data from which its shaders identify lights.
 pub(super) type BevyLights<'w, 's> = (
     Res<'w, GlobalClusterableObjectMeta>,
-    Query<'w, 's, &'static ExtractedDirectionalLight>,
-    Query<'w, 's, &'static ExtractedRectLight>,
+    Query<'w, 's, Directional<'static>>,
+    Query<'w, 's, Rect<'static>>,
 );
 
 /// Lists the managed lights of the frame in the form in which Bevy's shaders know them. A light whose
@@ -34,7 +42,9 @@ pub(super) fn prepare_lights(
     gpu: &mut DrawnWith,
     lights: &BevyLights,
 ) {
-    let Mirror { world, view, .. } = mirror;
+    let Mirror {
+        world, view, layers, ..
+    } = mirror;
     let frame = world.resource::<FrameLights>();
     let (objects, visible) = (world.resource::<Objects>(), world.resource::<VisibleSet>());
     view.unshadowed_in_view = visible.set.difference(&objects.receivers).next().is_some();
@@ -52,7 +62,7 @@ pub(super) fn prepare_lights(
         let active = active.ok().map(|at| &drawn[at]);
         let host = world.get::<HostLight>(light.entity).copied();
         let slot = host.and_then(|host| {
-            let mut draw = with_model(describe(&host, lights)?, light);
+            let mut draw = with_model(describe(&host, layers, lights)?, light);
             draw.index[1] = u32::from(!renderer.frame().weighted.is_empty());
             let wanted = [
                 (VisibilitySource::Stencil, true),
@@ -143,8 +153,13 @@ fn with_model(mut draw: LightDraw, light: &FrameLight) -> LightDraw {
     draw
 }
 
-/// Returns the data by which Bevy's shaders know a light; `None` if Bevy has not extracted the light.
-fn describe(host: &HostLight, (clustered, directional, rect): &BevyLights) -> Option<LightDraw> {
+/// Returns the data by which Bevy's shaders know a light; `None` if Bevy does not show the light in a view of these layers,
+/// because it has not extracted the light or shows a limited number.
+fn describe(
+    host: &HostLight,
+    layers: &RenderLayers,
+    (clustered, directional, rect): &BevyLights,
+) -> Option<LightDraw> {
     let mut draw = LightDraw::default();
     match host.kind {
         BevyLight::Point | BevyLight::Spot => {
@@ -153,13 +168,23 @@ fn describe(host: &HostLight, (clustered, directional, rect): &BevyLights) -> Op
         }
         // These are the expressions by which Bevy fills its uniforms, so the shader finds the same bits.
         BevyLight::Directional => {
-            let light = directional.get(host.render_entity).ok()?;
+            let (entity, light, _) = directional.get(host.render_entity).ok()?;
+            let order = |entity: Entity, light: &ExtractedDirectionalLight| {
+                (light.volumetric, light.shadow_maps_enabled, entity) // as Bevy has it
+            };
+            let is_before = |(other, other_light, other_layers): &Directional| {
+                other_layers.intersects(layers) && order(*other, other_light) < order(entity, light)
+            };
+            if directional.iter().filter(is_before).count() >= MAX_DIRECTIONAL_LIGHTS {
+                return None;
+            }
             let color = Vec4::from_slice(&light.color.to_f32_array()) * light.illuminance;
             let towards: Vec3 = light.transform.back().into();
             draw.unindexed = unindexed(color, towards);
         }
         BevyLight::Rect => {
-            let light = rect.get(host.render_entity).ok()?;
+            let mut shown = rect.iter().take(MAX_RECT_LIGHTS);
+            let (_, _, light, _) = shown.find(|(entity, ..)| *entity == host.render_entity)?;
             let color = Vec4::from_slice(&light.color.to_f32_array()) * light.intensity;
             draw.unindexed = unindexed(color, light.transform.translation());
             let (right, up): (Vec3, Vec3) = (light.transform.right().into(), light.transform.up().into());

@@ -24,6 +24,7 @@ mod interval_maps;
 mod lifetimes;
 mod light_model;
 mod light_textures;
+mod many_lights;
 mod map_techniques;
 mod minimal;
 mod models;
