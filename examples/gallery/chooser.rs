@@ -62,7 +62,9 @@ pub fn summaries(results: &[Judged]) -> Vec<Summary> {
                     continue;
                 };
                 if of_shot.is_soft {
-                    summary.soft.extend(error.soft.map(|soft| soft.rmse_penumbra));
+                    summary
+                        .soft
+                        .extend(error.soft.and_then(|soft| soft.penumbra_rmse()));
                 } else if let Some(share) = error.hard.share() {
                     summary.hard.push(share);
                     if summary.worst.as_ref().is_none_or(|(worst, _)| share > *worst) {

@@ -178,7 +178,7 @@ fn of_judgement(judgement: Judgement) -> Value {
         "share": hard.share(),
         "at": first_wrong.map(|at| at.to_array()),
         "rmse": soft.map(|soft| soft.rmse),
-        "rmse_penumbra": soft.map(|soft| soft.rmse_penumbra),
+        "rmse_penumbra": soft.and_then(|soft| soft.penumbra_rmse()),
     })
 }
 

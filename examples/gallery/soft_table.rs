@@ -186,7 +186,7 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
         header += &format!(" {:>23}", way.name());
     }
     println!("{header}");
-    let mut sums: Vec<Vec<[f64; 3]>> = vec![Vec::new(); ways.len()];
+    let mut sums: Vec<Vec<(f64, Option<f64>, f64)>> = vec![Vec::new(); ways.len()];
     let mut rows = Vec::new();
     let mut failures = Vec::new();
     for file in &files {
@@ -200,12 +200,12 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
         for (way, sums) in ways.iter().zip(&mut sums) {
             match subject.judge(way, &truth) {
                 Ok((error, milliseconds)) => {
-                    line += &format!(
-                        " {:.4} / {:.4} {milliseconds:>6.1}",
-                        error.rmse, error.rmse_penumbra
-                    );
-                    sums.push([error.rmse, error.rmse_penumbra, milliseconds]);
-                    row.push(Some([error.rmse_penumbra, milliseconds]));
+                    let penumbra = error.penumbra_rmse();
+                    let shown =
+                        penumbra.map_or_else(|| format!("{:>6}", "–"), |penumbra| format!("{penumbra:.4}"));
+                    line += &format!(" {:.4} / {shown} {milliseconds:>6.1}", error.rmse);
+                    sums.push((error.rmse, penumbra, milliseconds));
+                    row.push(penumbra.map(|penumbra| [penumbra, milliseconds]));
                 }
                 Err(reason) => {
                     row.push(None);
@@ -220,8 +220,13 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
     }
     let mut line = format!("{:<26}", "mean");
     for sums in sums {
-        let mean = [0, 1, 2].map(|i| sums.iter().map(|sum| sum[i]).sum::<f64>() / sums.len() as f64);
-        line += &format!(" {:.4} / {:.4} {:>6.1}", mean[0], mean[1], mean[2]);
+        let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+        line += &format!(
+            " {:.4} / {:.4} {:>6.1}",
+            mean(sums.iter().map(|sum| sum.0).collect()),
+            mean(sums.iter().filter_map(|sum| sum.1).collect()),
+            mean(sums.iter().map(|sum| sum.2).collect())
+        );
     }
     println!("{line}");
     print_against_hard(&ways, &rows);

@@ -6,12 +6,12 @@
 //!
 //! Each row has everything that the rows before it have. The scene's own lights shine, all with stencil shadow
 //! volumes, and the camera walks from room to room. `--out` writes a picture of the sets, seen from above, for one
-//! light and one frame. Source of the chapter's numbers: O'Rorke 2004, GPU Gems ch. 15, table 15-1.
+//! light and one frame. What cannot be done for a scene is a line on stderr, and the other scenes are still measured. Source of the chapter's numbers: O'Rorke 2004, GPU Gems ch. 15, table 15-1.
 
 use antumbra_stage as support;
 mod top_view;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -68,39 +68,46 @@ struct Scene {
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
         Err(line) => {
-            eprintln!("{}", line.replace('\n', " "));
+            tell(&line);
             ExitCode::FAILURE
         }
     }
 }
 
-fn run(arguments: &Arguments) -> Result<(), String> {
+/// Prints an error as one line.
+fn tell(line: &str) {
+    eprintln!("{}", line.replace('\n', " "));
+}
+
+/// Measures all scenes, and prints those that could be measured. Returns whether nothing failed; what did has been told.
+fn run(arguments: &Arguments) -> Result<bool, String> {
     let context = pollster::block_on(RenderContext::headless(RequestedFeatures::default()))
         .map_err(|error| one_line(&error))?;
     let size = UVec2::new(arguments.width, (arguments.width * 9 / 16).max(1));
     let mut scenes = Vec::new();
+    let mut is_done = true;
     for path in &arguments.scenes {
-        let mut walked = Walked::new(path, &context, size, arguments.frames as usize, |_| true)?;
-        let name = path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        let measured = measure(&name, &mut walked)
-            .map_err(|error| format!("{}: {}", path.display(), one_line(&error)))?;
-        if let Some(out) = &arguments.out {
-            let frame = (arguments.frame as usize).min(walked.views.len() - 1);
-            top_view::write(
-                &mut walked,
-                frame,
-                arguments.light,
-                &out.join(format!("{name}.png")),
-            )?;
-        }
+        let (mut walked, measured) = match walk(path, &context, size, arguments.frames as usize) {
+            Ok(walk) => walk,
+            Err(error) => {
+                tell(&error);
+                is_done = false;
+                continue;
+            }
+        };
         if !arguments.json {
             print(&measured);
+        }
+        if let Some(out) = &arguments.out {
+            let frame = (arguments.frame as usize).min(walked.views.len() - 1);
+            let picture = out.join(format!("{}.png", measured.name));
+            if let Err(error) = top_view::write(&mut walked, frame, arguments.light, &picture) {
+                tell(&error);
+                is_done = false;
+            }
         }
         scenes.push(measured);
     }
@@ -108,7 +115,16 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         let all: Vec<_> = scenes.iter().map(to_json).collect();
         println!("{:#}", json!({ "adapter": context.adapter, "scenes": all }));
     }
-    Ok(())
+    Ok(is_done)
+}
+
+/// Walks through a scene and measures it.
+fn walk(path: &Path, context: &RenderContext, size: UVec2, frames: usize) -> Result<(Walked, Scene), String> {
+    let mut walked = Walked::new(path, context, size, frames, |_| true)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let measured =
+        measure(&name, &mut walked).map_err(|error| format!("{}: {}", path.display(), one_line(&error)))?;
+    Ok((walked, measured))
 }
 
 fn measure(name: &str, walked: &mut Walked) -> Result<Scene, antumbra::render::RenderError> {

@@ -120,7 +120,8 @@ impl Panel {
     }
 }
 
-/// Draws the sets of a light in a frame of a walk, with everything switched on.
+/// Draws the sets of a light in a frame of a walk, with everything switched on. A scene without lights has none to draw,
+/// which is told.
 ///
 /// # Errors
 /// One line that names the file, or the light that does not exist.
@@ -147,14 +148,22 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
             .max_by_key(rank)
     };
     let index = match light {
-        Some(light) => indices
-            .get(light)
-            .copied()
-            .flatten()
-            .ok_or_else(|| format!("--light {light}: the scene has {} lights", indices.len()))?,
+        Some(light) => indices.get(light).copied().flatten().ok_or_else(|| {
+            format!(
+                "{}: --light {light}: the scene has {} lights",
+                path.display(),
+                indices.len()
+            )
+        })?,
         None => match lit_most().or((!lights.is_empty()).then_some(0)) {
             Some(index) => index,
-            None => return Err(format!("{}: no light to show the sets of", path.display())),
+            None => {
+                eprintln!(
+                    "{}: not written, because no light shines in the scene",
+                    path.display()
+                );
+                return Ok(());
+            }
         },
     };
     let light = &lights[index];

@@ -39,7 +39,8 @@ pub struct SoftError {
     pub penumbra: usize,
     /// Root mean squared error over all counted pixels.
     pub rmse: f64,
-    /// Root mean squared error over the pixels where the truth lies between 0 and 1; 0 if there are none.
+    /// Root mean squared error over the pixels where the truth lies between 0 and 1; 0 if there are none, which
+    /// [`SoftError::penumbra_rmse`] tells from no error.
     pub rmse_penumbra: f64,
     /// The error that 99 % of the counted pixels do not exceed.
     pub p99: f64,
@@ -47,6 +48,14 @@ pub struct SoftError {
     pub umbra_lit: f64,
     /// Share of the counted pixels where the truth is 1 and the answer is less than 0.9.
     pub lit_dark: f64,
+}
+
+impl SoftError {
+    /// Root mean squared error over the pixels where the truth lies between 0 and 1. `None` if there are no such
+    /// pixels, because then nothing is known.
+    pub fn penumbra_rmse(&self) -> Option<f64> {
+        (self.penumbra > 0).then_some(self.rmse_penumbra)
+    }
 }
 
 /// Whether each pixel lies within `radius` pixels of a change of the image, or of the border of the region

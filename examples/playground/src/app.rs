@@ -7,15 +7,16 @@ use antumbra::prelude::*;
 use antumbra::render::Gpu;
 use antumbra::scene::gltf_import::load_gltf;
 use antumbra::techniques::Techniques;
-use antumbra_stage::stage::{Stage, blur_grounds, framing_camera, one_line};
-use bevy_transform::prelude::Transform;
+use antumbra_stage::shot::Shot;
+use antumbra_stage::stage::one_line;
 use glam::{UVec2, Vec3};
 use serde_json::{Map, Value, json};
 
 use crate::compare::{Compare, Show, Wanted};
-use crate::document::{Document, Eye, LightDoc, Pose, Side, light_name, light_value, shadow_of};
+use crate::document::{Document, LightDoc, Pose, Side, exactly, light_name, shadow_of};
 use crate::handles::Handle;
 use crate::history::History;
+use crate::opening::complete;
 use crate::overlay::Overlay;
 use crate::paint::Painter;
 use crate::schema::Schemas;
@@ -219,8 +220,7 @@ impl App {
             return Err(format!("{}: more than {MOST_LIGHTS} lights", path.display()));
         }
         let compare = Compare::new(self.gpu.clone(), loaded, &self.techniques)?;
-        let bounds = self
-            .complete(&mut document, &compare)
+        let bounds = complete(&mut document, &compare.loaded, &self.techniques)
             .map_err(|error| format!("{}: {error}", path.display()))?;
         let count = document.lights().len();
         self.bounds = bounds;
@@ -241,53 +241,6 @@ impl App {
         Ok(())
     }
 
-    /// Gives a document the camera and the lights of its scene where it has none of its own. Returns the scene's
-    /// centre and radius.
-    fn complete(&self, document: &mut Document, compare: &Compare) -> Result<(Vec3, f32), String> {
-        let mut stage = Stage::empty(UVec2::ONE, Camera::default(), Transform::IDENTITY);
-        let loaded = &compare.loaded;
-        let spawned = antumbra::scene::gltf_import::spawn_scene(&mut stage.world, loaded, None)
-            .map_err(|error| one_line(&error))?;
-        blur_grounds(&mut stage.world, (loaded, &spawned), &document.blurred_grounds)?;
-        stage.run();
-        let bounds = stage.scene_bounds();
-        let (center, radius) = if bounds.is_empty() {
-            (Vec3::ZERO, 1.0)
-        } else {
-            (bounds.center(), bounds.half_size().length().max(1e-3))
-        };
-        if document.view.is_none() {
-            let own = spawned.cameras.first().and_then(|&entity| {
-                let camera = *stage.world.get::<Camera>(entity)?;
-                let place = antumbra::scene::camera_place(&stage.world, entity)?;
-                Some((camera, place.compute_transform()))
-            });
-            let (camera, place) = own.unwrap_or_else(|| framing_camera(bounds, 16.0 / 9.0));
-            let forward = place.forward().as_vec3();
-            let ahead = (center - place.translation).dot(forward).max(radius * 0.1);
-            document.view = Some(Eye {
-                eye: place.translation,
-                target: place.translation + forward * ahead,
-                up: Vec3::Y,
-                camera,
-            });
-        }
-        if document.lights.is_none() {
-            let first = self.techniques.rows().first().map_or("none", |row| row.name());
-            let lights = spawned.lights.iter().enumerate().filter_map(|(index, &entity)| {
-                let light = stage.world.get::<Light>(entity)?;
-                let place = stage
-                    .world
-                    .get::<bevy_transform::prelude::GlobalTransform>(entity)?;
-                let mut keys = light_value(light, &place.compute_transform());
-                keys.insert("shadow".to_owned(), Value::Object(shadow_of(first)));
-                Some(LightDoc::new(light_name(index, &keys), keys, &self.techniques))
-            });
-            document.lights = Some(lights.take(MOST_LIGHTS).collect());
-        }
-        Ok((center, radius))
-    }
-
     /// Changes the document. Changes of the same name that follow one another are undone together.
     pub fn change(&mut self, name: &str, change: impl FnOnce(&mut Document)) {
         let before = self.document.clone();
@@ -299,9 +252,11 @@ impl App {
 
     /// Changes a light as [`App::change`] changes the document.
     pub fn change_light(&mut self, name: &str, index: usize, change: impl FnOnce(&mut LightDoc)) {
+        let techniques = self.techniques.clone();
         self.change(&format!("{name} {index}"), |document| {
             if let Some(light) = document.lights.as_mut().and_then(|lights| lights.get_mut(index)) {
                 change(light);
+                light.settle_angle(&techniques);
             }
         });
     }
@@ -337,10 +292,7 @@ impl App {
         let position = near + Vec3::Y * (0.35 * radius).min(1.5);
         let usual = [
             ("kind", json!(kind)),
-            (
-                "position",
-                json!(position.to_array().map(crate::document::rounded)),
-            ),
+            ("position", json!(position.to_array().map(exactly))),
             ("direction", json!([-0.35, -1.0, -0.2])),
             ("inner_deg", json!(25)),
             ("outer_deg", json!(35)),
@@ -398,7 +350,7 @@ impl App {
             return;
         };
         if let Some(position) = light.vector("position") {
-            light.set_vector("position", position + Vec3::X * (0.1 * self.bounds.1).min(0.5));
+            light.set_position(position + Vec3::X * (0.1 * self.bounds.1).min(0.5));
         }
         light.name = light_name(self.document.lights().len(), &light.keys);
         self.push_light(light);
@@ -522,12 +474,18 @@ impl App {
         free.next().unwrap_or_default()
     }
 
-    /// Writes the shot, and tells where.
+    /// Writes the shot, and tells where. A shot that does not open again, because a light cannot be used, is written too,
+    /// but as an error that says why.
     pub fn save(&mut self, side: Side, path: &Path) -> bool {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let text = self.shot_text(side, &folder);
-        let written = std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(path, text));
-        self.tell_written(path, written.map_err(|error| error.to_string()))
+        let written = std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(path, &text));
+        let opens = || match Shot::parse(&text, self.techniques.clone()) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(format!("written, but it does not open: {error}")),
+        };
+        let told = written.map_err(|error| error.to_string()).and_then(|()| opens());
+        self.tell_written(path, told)
     }
 
     /// Writes the picture of a half of the view, and tells where.

@@ -86,11 +86,6 @@ fn spawn(light: &LightDoc, parts: &LightParts, side: Side, schemas: &Schemas) ->
         let mut settings = light.shadows[side.index()].clone();
         nest_softness(&mut settings);
         let schema = schemas.technique(row.name());
-        // A key of the light can stand for a setting.
-        let has_angle = schema.is_some_and(|schema| schema.pointer("/properties/angle_deg").is_some());
-        if let Some(angle) = light.keys.get("angle_deg").filter(|_| has_angle) {
-            settings.entry("angle_deg").or_insert_with(|| angle.clone());
-        }
         let value = match schema {
             Some(schema) => structure(schemas, row.component_name(), schema, &settings, 2),
             None => format!("{}::default()", row.component_name()),

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use antumbra::prelude::*;
 use antumbra::techniques::{Row, Techniques};
-use antumbra_stage::shadow::nest_softness;
-use antumbra_stage::shot::{LightParts, Shot, ShotGround, ShotLight};
-use bevy_transform::prelude::Transform;
+use antumbra_stage::shot::{Shot, ShotGround};
 use glam::Vec3;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
+
+pub use crate::light::{LightDoc, NONE, exactly, light_name, light_value, rounded, shadow_of};
 
 /// The two sets of techniques that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
@@ -37,17 +37,6 @@ impl Side {
             Self::B => "B",
         }
     }
-}
-
-/// A light as a shot file holds it, without its technique, and a technique for each [`Side`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct LightDoc {
-    /// Name in the list.
-    pub name: String,
-    /// Keys of the shot's light except `shadow`.
-    pub keys: Map<String, Value>,
-    /// Technique and settings of each side, as the value of `shadow`.
-    pub shadows: [Map<String, Value>; 2],
 }
 
 /// Place from which the scene is seen.
@@ -108,201 +97,6 @@ impl Default for Document {
     }
 }
 
-/// Keys of a light that only some techniques take.
-const SPECIAL: [&str; 3] = [PATH, "angle_deg", "texture"];
-
-/// Key of the path along which a light moves.
-const PATH: &str = "path";
-
-/// Name of no technique.
-pub const NONE: &str = "none";
-
-/// Returns the value of `shadow` for a technique with its default settings.
-pub fn shadow_of(technique: &str) -> Map<String, Value> {
-    Map::from_iter([("technique".to_owned(), json!(technique))])
-}
-
-impl LightDoc {
-    /// Makes a light from the value of a shot's light.
-    pub fn new(name: String, mut keys: Map<String, Value>, techniques: &Techniques) -> Self {
-        let mut shadow = match keys.remove("shadow") {
-            Some(Value::Object(shadow)) => shadow,
-            _ => shadow_of(NONE),
-        };
-        nest_softness(&mut shadow);
-        let mut light = Self {
-            name,
-            keys,
-            shadows: [shadow.clone(), shadow],
-        };
-        light.shadows[Side::B.index()] = light.other_technique(techniques);
-        light
-    }
-
-    /// Returns the last technique of the list that fits the light and is not that of side A, so that the sides
-    /// differ from the start.
-    fn other_technique(&self, techniques: &Techniques) -> Map<String, Value> {
-        let others = techniques.rows().iter().rev().map(|row| shadow_of(row.name()));
-        let mut others = others.filter(|other| other.get("technique") != self.shadows[0].get("technique"));
-        others
-            .find(|shadow| self.fits(shadow, techniques))
-            .unwrap_or_else(|| self.shadows[Side::A.index()].clone())
-    }
-
-    /// Returns the name of the technique of a side.
-    pub fn technique(&self, side: Side) -> &str {
-        let name = self.shadows[side.index()].get("technique");
-        name.and_then(Value::as_str).unwrap_or(NONE)
-    }
-
-    /// Returns the name of the light's kind.
-    pub fn kind(&self) -> &str {
-        self.keys.get("kind").and_then(Value::as_str).unwrap_or("point")
-    }
-
-    /// Returns the keys of the light in a shot file.
-    pub fn to_keys(&self, side: Side) -> Map<String, Value> {
-        let mut keys = self.keys.clone();
-        let shadow = self.shadows[side.index()].clone();
-        keys.insert("shadow".to_owned(), Value::Object(shadow));
-        keys
-    }
-
-    /// Makes the parts of the light, without the keys of [`SPECIAL`] whose bits are set.
-    fn parts_without(
-        &self,
-        bits: usize,
-        shadow: Option<&Map<String, Value>>,
-        techniques: &Techniques,
-    ) -> Result<LightParts, String> {
-        let is_left_out = |key: &str| {
-            let index = SPECIAL.iter().position(|special| *special == key);
-            index.is_some_and(|index| bits >> index & 1 == 1)
-        };
-        let mut keys = self.keys.clone();
-        // A path also places the light, so it is read before it is left out.
-        keys.retain(|key, _| key == PATH || !is_left_out(key));
-        if let Some(shadow) = shadow {
-            keys.insert("shadow".to_owned(), Value::Object(shadow.clone()));
-        }
-        let mut light = ShotLight::try_from(keys)?;
-        if is_left_out(PATH) {
-            light.path = None;
-        }
-        light.parts(techniques)
-    }
-
-    /// Makes the parts of the light. Keys of [`SPECIAL`] that the technique does not take are left out, because the
-    /// technique of the other side may need them. In that case the second value says what was left out and why.
-    fn parts_with(
-        &self,
-        shadow: Option<&Map<String, Value>>,
-        techniques: &Techniques,
-    ) -> Result<(LightParts, Option<String>), String> {
-        let refused = match self.parts_without(0, shadow, techniques) {
-            Ok(parts) => return Ok((parts, None)),
-            Err(error) => error,
-        };
-        let all = SPECIAL.iter().enumerate();
-        let there = all.filter(|(_, key)| self.keys.contains_key(**key));
-        let there = there.fold(0_usize, |bits, (index, _)| bits | 1 << index);
-        // As few as possible are left out.
-        let mut choices: Vec<usize> = (1..1 << SPECIAL.len())
-            .filter(|bits| bits & !there == 0)
-            .collect();
-        choices.sort_by_key(|bits| bits.count_ones());
-        let found = choices
-            .into_iter()
-            .find_map(|bits| self.parts_without(bits, shadow, techniques).ok());
-        found.map(|parts| (parts, Some(refused.clone()))).ok_or(refused)
-    }
-
-    /// Returns what to spawn for the light, and a note if a key is left out that the technique does not take.
-    ///
-    /// # Errors
-    /// A key or a setting that cannot be used.
-    pub fn parts(&self, side: Side, techniques: &Techniques) -> Result<(LightParts, Option<String>), String> {
-        self.parts_with(Some(&self.shadows[side.index()]), techniques)
-    }
-
-    /// Returns what to spawn for the light without a shadow.
-    ///
-    /// # Errors
-    /// A key that cannot be used.
-    pub fn bare_parts(&self, techniques: &Techniques) -> Result<LightParts, String> {
-        self.parts_with(None, techniques).map(|(parts, _)| parts)
-    }
-
-    /// Whether a value of `shadow` can be used for the light.
-    pub fn fits(&self, shadow: &Map<String, Value>, techniques: &Techniques) -> bool {
-        self.parts_with(Some(shadow), techniques).is_ok()
-    }
-
-    /// Returns a vector that the light's keys hold.
-    pub fn vector(&self, key: &str) -> Option<Vec3> {
-        let parts = self.keys.get(key)?.as_array()?;
-        let at = |index: usize| parts.get(index).and_then(Value::as_f64).map(|x| x as f32);
-        Some(Vec3::new(at(0)?, at(1)?, at(2)?))
-    }
-
-    /// Sets a vector of the light's keys.
-    pub fn set_vector(&mut self, key: &str, value: Vec3) {
-        self.keys
-            .insert(key.to_owned(), json!(value.to_array().map(rounded)));
-    }
-}
-
-/// Rounds to six digits, so that saved files stay readable at any scale. What is left of a zero becomes one.
-pub fn rounded(value: f32) -> f64 {
-    if value.abs() < 1e-7 {
-        return 0.0;
-    }
-    format!("{value:.5e}").parse().unwrap_or(f64::from(value))
-}
-
-/// Returns the number with the digits that an `f32` has, so that it is read back as it is.
-fn exactly(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or(f64::from(value))
-}
-
-/// Returns the value of a light in a shot file.
-pub fn light_value(light: &Light, transform: &Transform) -> Map<String, Value> {
-    let forward = (transform.rotation * Vec3::NEG_Z).to_array().map(rounded);
-    let mut value = match light.kind {
-        LightKind::Point => json!({"kind": "point"}),
-        LightKind::Spot {
-            inner_angle,
-            outer_angle,
-        } => json!({
-            "kind": "spot",
-            "direction": forward,
-            "inner_deg": rounded(inner_angle.to_degrees()),
-            "outer_deg": rounded(outer_angle.to_degrees()),
-        }),
-        LightKind::Directional => json!({"kind": "directional", "direction": forward}),
-        LightKind::Rect { width, height } => json!({
-            "kind": "rect",
-            "direction": forward,
-            "up": (transform.rotation * Vec3::Y).to_array().map(rounded),
-            "width": exactly(width),
-            "height": exactly(height),
-        }),
-        LightKind::Sphere { radius } => json!({"kind": "sphere", "radius": exactly(radius)}),
-    };
-    if light.kind != LightKind::Directional {
-        value["position"] = json!(transform.translation.to_array().map(rounded));
-        if light.range.is_finite() {
-            value["range"] = json!(exactly(light.range));
-        }
-    }
-    value["color"] = json!(light.color.to_array().map(rounded));
-    value["intensity"] = json!(rounded(light.intensity));
-    match value {
-        Value::Object(keys) => keys,
-        _ => Map::new(),
-    }
-}
-
 /// Changes all paths of a light and of its technique, but no empty ones.
 fn change_paths(light: &mut Map<String, Value>, techniques: &Techniques, change: &dyn Fn(&Path) -> PathBuf) {
     let apply = |value: &mut Value| {
@@ -337,7 +131,7 @@ impl Document {
         }
         let shot = Shot::load(path, techniques.clone())?;
         let named = |error: String| format!("{}: {error}", path.display());
-        let text = std::fs::read_to_string(path).map_err(|error| named(error.to_string()))?;
+        let text = Shot::read(path)?;
         let mut value: Value = serde_json::from_str(&text).map_err(|error| named(error.to_string()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let view = shot.camera.map(|camera| Eye {
@@ -386,8 +180,8 @@ impl Document {
         });
         if let Some(view) = &self.view {
             shot["camera"] = json!({
-                "eye": view.eye.to_array().map(rounded),
-                "target": view.target.to_array().map(rounded),
+                "eye": view.eye.to_array().map(exactly),
+                "target": view.target.to_array().map(exactly),
                 "up": view.up.to_array().map(rounded),
                 "vfov_deg": rounded(view.camera.vertical_fov.to_degrees()),
                 "near": exactly(view.camera.near),
@@ -398,10 +192,10 @@ impl Document {
             }
         }
         if let Some(pose) = self.pose {
-            shot["animation"] = json!({"clip": pose.clip, "time": rounded(pose.time)});
+            shot["animation"] = json!({"clip": pose.clip, "time": exactly(pose.time)});
         }
         let lights = self.lights.iter().flatten().map(|light| {
-            let mut keys = light.to_keys(side);
+            let mut keys = light.saved_keys(side, techniques);
             change_paths(&mut keys, techniques, &|path| relative(path, folder));
             Value::Object(keys)
         });
@@ -428,12 +222,6 @@ impl Document {
     pub fn lights(&self) -> &[LightDoc] {
         self.lights.as_deref().unwrap_or_default()
     }
-}
-
-/// Returns the name of a light in the list.
-pub fn light_name(index: usize, keys: &Map<String, Value>) -> String {
-    let kind = keys.get("kind").and_then(Value::as_str).unwrap_or("light");
-    format!("{kind} {index}")
 }
 
 /// Returns a path relative to a folder if it lies within or beside it, otherwise as it is.

@@ -10,7 +10,23 @@ use crate::document::Eye;
 /// The steepest view up or down, radians from the horizon.
 const STEEPEST: f32 = 1.55;
 
+/// Largest height of the direction to the right of a level view. More tilts the picture by a tenth of a pixel at its borders.
+const LEVEL: f32 = 1e-4;
+
 impl Eye {
+    /// Returns the view of a camera that looks at a point at a distance. Up is the world's if the camera is level, so that
+    /// one orbits about the vertical; otherwise, or if the camera looks straight up or down, up is the camera's own.
+    pub fn at(camera: Camera, place: &Transform, distance: f32) -> Self {
+        let up = place.up().as_vec3();
+        let is_level = place.right().y.abs() < LEVEL && up.y > LEVEL;
+        Self {
+            eye: place.translation,
+            target: place.translation + place.forward() * distance,
+            up: if is_level { Vec3::Y } else { up },
+            camera,
+        }
+    }
+
     fn forward(&self) -> Vec3 {
         (self.target - self.eye).try_normalize().unwrap_or(Vec3::NEG_Z)
     }
@@ -160,6 +176,8 @@ impl Lens {
 
 #[cfg(test)]
 mod tests {
+    use glam::EulerRot;
+
     use super::*;
 
     fn eye() -> Eye {
@@ -182,6 +200,31 @@ mod tests {
             lens.pixel(Vec3::new(2.0, 3.0, 10.0)).is_none(),
             "behind the viewer"
         );
+    }
+
+    #[test]
+    fn a_view_is_turned_as_its_camera() {
+        let turned = |yaw: f32, pitch: f32, roll: f32| Quat::from_euler(EulerRot::YXZ, yaw, pitch, roll);
+        let quarter = std::f32::consts::FRAC_PI_2;
+        for (rotation, is_level) in [
+            (turned(2.0, -0.6, 0.0), true),
+            (turned(2.0, -0.6, 0.3), false),
+            (turned(2.0, 0.2, std::f32::consts::PI), false),
+            (turned(0.5, -quarter, 0.0), false),
+            (turned(0.5, quarter, 0.0), false),
+        ] {
+            let place = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(rotation);
+            let eye = Eye::at(Camera::default(), &place, 4.0);
+            let of_camera = [Vec3::X, Vec3::Y, Vec3::NEG_Z].map(|axis| rotation * axis);
+            for (axis, expected) in eye.axes().into_iter().zip(of_camera) {
+                assert!(
+                    axis.distance(expected) < 1e-5,
+                    "{rotation}: {axis} is not {expected}"
+                );
+            }
+            assert_eq!(eye.up == Vec3::Y, is_level, "{rotation}");
+            assert!((eye.distance() - 4.0).abs() < 1e-5);
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use antumbra::prelude::*;
+use antumbra::reference::SoftError;
 use antumbra::techniques::Techniques;
 use antumbra_stage::stage::one_line;
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, vec2};
@@ -340,7 +341,7 @@ impl Session {
                 let index = app.shown.selected.ok_or("no light is selected")?;
                 app.change_light("move", index, |light| {
                     if let Some(position) = light.vector("position") {
-                        light.set_vector("position", position + Vec3::from(by));
+                        light.set_position(position + Vec3::from(by));
                     }
                 });
             }
@@ -364,8 +365,8 @@ impl Session {
                 self.size = UVec2::from(to).clamp(UVec2::ONE, UVec2::splat(LARGEST));
             }
             Command::Scale { to } => {
+                // `frame` gives it to egui as the scale of the screen.
                 self.scale = to.clamp(0.25, 8.0);
-                self.context.set_pixels_per_point(self.scale);
             }
             other => return self.device_input(other),
         }
@@ -471,7 +472,7 @@ impl Session {
             Some(json!({
                 "wrong_share": judgement.hard.share(),
                 "rmse": judgement.soft.as_ref().map(|soft| soft.rmse),
-                "rmse_penumbra": judgement.soft.as_ref().map(|soft| soft.rmse_penumbra),
+                "rmse_penumbra": judgement.soft.as_ref().and_then(SoftError::penumbra_rmse),
             }))
         };
         let lights = app.document.lights().iter().enumerate().map(|(index, light)| {

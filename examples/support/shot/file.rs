@@ -79,13 +79,18 @@ fn default_ambient() -> [f32; 3] {
 /// Least distance of a near plane, metres. Nearer ones show nothing more, and products with them leave the range of `f32`.
 const LEAST_NEAR: f32 = 1e-6;
 
+/// Returns a text without its byte order mark.
+fn unmarked(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
 impl Shot {
     /// Reads and checks a shot file.
     ///
     /// # Errors
     /// One line that names the file and the element.
     pub fn load(path: &Path, techniques: Techniques) -> Result<Self, String> {
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let text = Self::read(path)?;
         let mut shot =
             Self::parse(&text, techniques).map_err(|error| format!("{}: {error}", path.display()))?;
         shot.path = path.to_owned();
@@ -114,13 +119,21 @@ impl Shot {
         Ok(shot)
     }
 
+    /// Returns the text of a shot file, without its byte order mark.
+    ///
+    /// # Errors
+    /// One line that names the file.
+    pub fn read(path: &Path) -> Result<String, String> {
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(unmarked(&text).to_owned())
+    }
+
     /// Parses and checks the text of a shot file.
     ///
     /// # Errors
     /// One line that names the element.
     pub fn parse(text: &str, techniques: Techniques) -> Result<Self, String> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text); // a byte order mark
-        let mut json = serde_json::Deserializer::from_str(text);
+        let mut json = serde_json::Deserializer::from_str(unmarked(text));
         let mut shot: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
             match error.path().to_string().as_str() {
                 "." => error.inner().to_string(), // the shot as a whole has no name

@@ -80,9 +80,18 @@ fn soft_errors_are_those_put_in() {
     let error = compare_soft(&truth, &got).unwrap().unwrap();
     assert!((error.rmse - (0.375f64 / 95.0).sqrt()).abs() < 1e-12);
     assert!((error.rmse_penumbra - (0.0625f64 / 2.0).sqrt()).abs() < 1e-12);
+    assert_eq!(error.penumbra_rmse(), Some(error.rmse_penumbra));
     assert!((error.umbra_lit - 1.0 / 95.0).abs() < 1e-12 && (error.lit_dark - 1.0 / 95.0).abs() < 1e-12);
     // numpy: quantile 0.99 of 92 zeros, 0.25, 0.25, 0.5 is at place 93.06.
     assert!((error.p99 - (0.25 + 0.06 * 0.25)).abs() < 1e-9, "{}", error.p99);
+}
+
+#[test]
+fn without_a_penumbra_its_error_is_unknown() {
+    let error = compare_soft(&half_lit(), &with(&half_lit(), &[(38, 0.75)]));
+    let error = error.unwrap().unwrap();
+    assert!(error.rmse > 0.0);
+    assert_eq!((error.penumbra, error.penumbra_rmse()), (0, None));
 }
 
 #[test]

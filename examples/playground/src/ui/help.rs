@@ -83,7 +83,8 @@ fn help(ui: &mut Ui) {
     ui.add_space(6.0);
     ui.label(
         "Each light has two techniques, A and B. Hover over a name to see what the setting does. Errors are those of \
-         the selected light.",
+         the selected light. Lights and the camera of a scene are taken from it as it opens; they do not move with its \
+         animation.",
     );
 }
 

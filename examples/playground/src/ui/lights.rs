@@ -8,7 +8,7 @@ use crate::document::Side;
 use crate::widgets;
 
 /// Keys that have a place of their own in the window.
-const HIDDEN: [&str; 2] = ["kind", "shadow"];
+const HIDDEN: [&str; 3] = ["kind", "shadow", "angle_deg"];
 
 /// Keys of the light itself; the others are those of the light model.
 const OWN: [&str; 11] = [

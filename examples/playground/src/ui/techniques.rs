@@ -160,16 +160,18 @@ fn truth_notes(light: &LightDoc) -> Vec<&'static str> {
 
 /// Returns the errors as names, values and explanations.
 pub fn figures(judgement: &Judgement) -> Vec<(&'static str, String, &'static str)> {
+    let unknown = || "–".to_owned();
     let share = judgement
         .hard
         .share()
-        .map_or_else(|| "-".to_owned(), |share| format!("{:.3} %", share * 100.0));
+        .map_or_else(unknown, |share| format!("{:.3} %", share * 100.0));
     let mut all = vec![(
         "Wrong pixels",
         share,
         "Share of the pixels, off a one-pixel band along edges, whose visibility is wrong by more than one half.",
     )];
     if let Some(soft) = &judgement.soft {
+        let penumbra = soft.penumbra_rmse();
         all.push((
             "RMSE",
             format!("{:.4}", soft.rmse),
@@ -177,7 +179,7 @@ pub fn figures(judgement: &Judgement) -> Vec<(&'static str, String, &'static str
         ));
         all.push((
             "RMSE of penumbrae",
-            format!("{:.4}", soft.rmse_penumbra),
+            penumbra.map_or_else(unknown, |rmse| format!("{rmse:.4}")),
             "Root mean squared error over the pixels that truly see a part of the light.",
         ));
     }
@@ -186,10 +188,39 @@ pub fn figures(judgement: &Judgement) -> Vec<(&'static str, String, &'static str
 
 #[cfg(test)]
 mod tests {
+    use antumbra::reference::{HardError, SoftError};
     use antumbra::techniques::Techniques;
     use serde_json::{Value, json};
 
     use super::*;
+
+    #[test]
+    fn an_error_of_no_pixel_is_no_number() {
+        let hard = HardError {
+            counted: 9,
+            inner: 0,
+            wrong_inner: 0,
+            wrong_all: 0,
+        };
+        let soft = |penumbra: usize| SoftError {
+            counted: 9,
+            penumbra,
+            rmse: 0.25,
+            rmse_penumbra: 0.0,
+            p99: 0.5,
+            umbra_lit: 0.0,
+            lit_dark: 0.0,
+        };
+        let shown = |penumbra: usize| {
+            let soft = Some(soft(penumbra));
+            figures(&Judgement { hard, soft })
+                .into_iter()
+                .map(|(_, value, _)| value)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(shown(0), ["–", "0.2500", "–"]);
+        assert_eq!(shown(3), ["–", "0.2500", "0.0000"]);
+    }
 
     #[test]
     fn what_the_truth_does_not_know_is_said() {

@@ -336,10 +336,10 @@ impl App {
         let after = before.dragged(drag.handle, drag.from, to, lens);
         self.change_light("move", index, |light| {
             if after.has_position && after.position != before.position {
-                light.set_vector("position", after.position);
+                light.set_position(after.position);
             }
             if let Some(direction) = after.direction.filter(|_| after.direction != before.direction) {
-                light.set_vector("direction", direction);
+                light.set_direction(direction);
             }
         });
         self.shown.drag = Some(Drag { from: to, ..drag });

@@ -7,53 +7,11 @@ use antumbra_playground::session::Session;
 use glam::Vec3;
 use serde_json::json;
 
-use crate::harness::{PICTURE, different, opened, out, report, run, session};
+use crate::harness::{PICTURE, different, opened, out, report, run, session, tetrahedron};
 
-/// A tetrahedron that moves by two metres in a second, there and back.
 fn moving() -> PathBuf {
-    let corners: [[f32; 3]; 4] = [
-        [0.0, 1.0, 0.0],
-        [-0.8, -0.5, 0.5],
-        [0.8, -0.5, 0.5],
-        [0.0, -0.5, -0.9],
-    ];
-    let triangles: [u16; 12] = [0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2];
-    let times: [f32; 3] = [0.0, 0.5, 1.0];
-    let places: [[f32; 3]; 3] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
-    let floats = |all: &[f32]| all.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
-    let parts = [
-        floats(corners.as_flattened()),
-        triangles.iter().flat_map(|x| x.to_le_bytes()).collect(),
-        floats(&times),
-        floats(places.as_flattened()),
-    ];
-    let mut at = 0;
-    let views = parts.each_ref().map(|part| {
-        let view = json!({"buffer": 0, "byteOffset": at, "byteLength": part.len()});
-        at += part.len();
-        view
-    });
-    let accessor = |view: usize, component: u32, count: usize, kind: &str| json!({"bufferView": view, "componentType": component, "count": count, "type": kind});
-    let mut positions = accessor(0, 5126, 4, "VEC3");
-    positions["min"] = json!([-0.8, -0.5, -0.9]);
-    positions["max"] = json!([0.8, 1.0, 0.5]);
-    let mut seconds = accessor(2, 5126, 3, "SCALAR");
-    seconds["min"] = json!([0.0]);
-    seconds["max"] = json!([1.0]);
-    let scene = json!({
-        "asset": {"version": "2.0"},
-        "buffers": [{"uri": "moving.bin", "byteLength": at}],
-        "bufferViews": views,
-        "accessors": [positions, accessor(1, 5123, 12, "SCALAR"), seconds, accessor(3, 5126, 3, "VEC3")],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "nodes": [{"mesh": 0, "name": "mover"}],
-        "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
-            "samplers": [{"input": 2, "output": 3}]}],
-        "scenes": [{"nodes": [0]}], "scene": 0,
-    });
-    let folder = out("animation");
-    std::fs::write(folder.join("moving.bin"), parts.concat()).unwrap();
-    std::fs::write(folder.join("moving.gltf"), scene.to_string()).unwrap();
+    let scene = tetrahedron("animation", |_| ());
+    let folder = scene.parent().unwrap();
     let shot = json!({"scene": "moving.gltf", "camera": {"eye": [0, 0.5, 6], "target": [0, 0, 0]},
         "lights": [{"kind": "point", "position": [1, 3, 3], "intensity": 40,
             "shadow": {"technique": "stencil_volume"}}]});

@@ -1,8 +1,10 @@
 //! What a user does in the playground, done by scripts without a display.
 
 mod animation;
+mod cameras;
 mod copied;
 mod harness;
+mod keys;
 mod lights;
 mod measures;
 mod menus;
@@ -157,6 +159,7 @@ fn the_truth_judges_both_sides() {
     let known = report(&session);
     assert_eq!(known["samples"], 20);
     let rmse = |side: &str| known["errors"][side]["rmse"].as_f64().unwrap();
+    assert!(known["errors"]["a"]["rmse_penumbra"].is_f64(), "{known:#}");
     assert!(rmse("a") < 0.1, "{known:#}");
     assert!(
         rmse("b") > 2.0 * rmse("a"),

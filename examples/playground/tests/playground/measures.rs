@@ -306,3 +306,16 @@ fn every_technique_with_a_picture_counts_its_texels() {
         "occlusion interval maps must be baked, and volumes and wedges have no picture"
     );
 }
+
+#[test]
+fn a_light_without_a_penumbra_has_no_error_in_it() {
+    let mut session = opened("no_penumbra", PICTURE);
+    run(
+        &mut session,
+        r#"{"do":"select","light":0}
+        {"do":"truth","samples":2}"#,
+    );
+    let errors = report(&session)["errors"]["a"].clone();
+    assert!(errors["rmse"].is_f64(), "{errors}");
+    assert_eq!(errors["rmse_penumbra"], Value::Null);
+}

@@ -7,7 +7,7 @@ use antumbra_playground::session::Session;
 use glam::UVec2;
 use serde_json::{Value, json};
 
-use crate::harness::{PICTURE, different, report, run, session_with, shot};
+use crate::harness::{PICTURE, different, opened, report, run, session_with, shot};
 use crate::veil::Veil;
 
 /// High enough for all settings of any technique, with a narrow picture.
@@ -140,4 +140,31 @@ fn a_choice_is_opened_and_taken() {
     let shadow = &report(&session)["lights"][1]["value"]["shadow"];
     assert_eq!(shadow["filter"]["jittered"]["softness"], 0.01, "{shadow}");
     assert_eq!(report(&session)["lights"][1]["error"], Value::Null);
+}
+
+#[test]
+fn a_scale_is_applied_once() {
+    let mut session = opened("scale", PICTURE);
+    let shown = |session: &Session| session.picture(Show::A).unwrap().0;
+    let size = shown(&session);
+    run(
+        &mut session,
+        r#"{"do":"size","to":[384,216]}
+        {"do":"scale","to":3}
+        {"do":"frames","count":2}"#,
+    );
+    // Heights of texts are rounded to pixels.
+    let apart = shown(&session).as_ivec2() - 3 * size.as_ivec2();
+    assert!(
+        apart.abs().max_element() <= 6,
+        "{size} becomes {}",
+        shown(&session)
+    );
+    run(
+        &mut session,
+        r#"{"do":"scale","to":1}
+        {"do":"size","to":[128,72]}
+        {"do":"frames","count":2}"#,
+    );
+    assert_eq!(shown(&session), size);
 }
