@@ -20,6 +20,7 @@
 //! | `renderer` | a frame or a view that is not drawn | [`render`](crate::render), the adapter |
 //! | `technique` | a shadow technique without a light, or several on one light | [`techniques`](crate::techniques), the adapter |
 //! | `texture_memory` | lights with poorer shadows, or none, because memory for textures is short | [`techniques`](crate::techniques) |
+//! | `texture` | textures of materials and cookies that are shown at a smaller size than they have | [`render`](crate::render) |
 //! | `world` | removals of components that the world keeps for ever | [`schedule`](crate::schedule) |
 //! | a technique's name | lights whose shadow is refused or reduced by the technique | [`techniques`](crate::techniques) |
 

@@ -3,12 +3,14 @@
 use bevy_ecs::prelude::*;
 use glam::UVec2;
 
+use super::gpu::mipmaps::size_within;
+use super::light_model::textures::store::LightTextureStore;
 use super::{RenderError, Renderer};
-use crate::reports::{Reports, Round};
+use crate::reports::{Reports, Round, code_of};
 use crate::scene::SceneMesh;
 use crate::sets::{View, ViewportSize};
 
-/// Raises the report topics `renderer` and `mesh`. Without a [`Renderer`] it raises nothing.
+/// Raises the report topics `renderer`, `mesh` and `texture`. Without a [`Renderer`] it raises nothing.
 pub fn report_renderer(world: &World, reports: &mut Reports) {
     let renderer = world.get_resource::<Renderer>();
     let mut round = reports.round("renderer");
@@ -46,6 +48,36 @@ pub fn report_renderer(world: &World, reports: &mut Reports) {
             ),
         );
     }
+    drop(round);
+    let mut round = reports.round("texture");
+    if let Some(renderer) = renderer {
+        report_textures(renderer, &mut round);
+    }
+}
+
+/// Reports the textures of materials and cookies that are larger than those of the device can be.
+fn report_textures(renderer: &Renderer, round: &mut Round<'_>) {
+    let gpu = &renderer.gpu;
+    let limit = gpu.context.device.limits().max_texture_dimension_2d;
+    let mut report = |name: &str, size: [u32; 2]| {
+        let held = size_within(size, limit);
+        if held == size {
+            return;
+        }
+        // The size tells textures of one name apart.
+        let code = code_of(size[0] ^ size[1].rotate_left(16), name);
+        round.raise(None, code, || {
+            format!(
+                "The texture `{name}` has {} × {} texels and is shown with {} × {}: the device allows {limit} along a side. \
+                 Use a picture of at most this size, or cut it into several.",
+                size[0], size[1], held[0], held[1]
+            )
+        });
+    };
+    gpu.materials
+        .for_each_texture(|texture| report(&texture.name, [texture.width, texture.height]));
+    gpu.part(LightTextureStore::new)
+        .for_each_cookie(|image| report(image.name(), [image.width(), image.height()]));
 }
 
 /// Reports why there is no view, and so no picture.

@@ -217,3 +217,41 @@ fn what_is_seen_casts() {
         assert!(frame.casts(entity), "{what}");
     }
 }
+
+#[test]
+fn each_of_many_parts_is_judged_by_itself() {
+    const PARTS: u32 = 40;
+    let mut mesh = MeshData {
+        submeshes: Vec::new(),
+        ..MeshData::default()
+    };
+    for part in 0..PARTS {
+        // Every second box is inside out. Its vertices stand in the reverse order.
+        let mut one = MeshData::cuboid(Vec3::splat(0.2));
+        if part % 2 == 1 {
+            one = inverted(one);
+            let last = one.positions.len() as u32 - 1;
+            one.positions.reverse();
+            one.normals.reverse();
+            one.indices.iter_mut().for_each(|index| *index = last - *index);
+        }
+        let base = mesh.positions.len() as u32;
+        mesh.submeshes.push(Submesh {
+            first_index: mesh.indices.len() as u32,
+            index_count: one.indices.len() as u32,
+        });
+        mesh.indices.extend(one.indices.iter().map(|index| base + index));
+        mesh.normals.extend(&one.normals);
+        let shift = 0.5 * part as f32 * Vec3::X;
+        mesh.positions.extend(one.positions.iter().map(|at| at + shift));
+    }
+    let mut frame = Frame::new();
+    let object = frame.spawn(mesh, false);
+    let material = Arc::new(Material::default());
+    let materials = vec![material; PARTS as usize];
+    frame
+        .world
+        .entity_mut(object)
+        .insert(SceneMaterials(materials.into()));
+    assert_eq!(casting_triangles(&mut frame, object), 12 * PARTS as usize / 2);
+}

@@ -7,10 +7,11 @@ use crate::harness::{own_context, strict_context};
 use antumbra::prelude::*;
 use antumbra::render::{HostView, create_target};
 use antumbra::reports::{Report, Reports};
+use antumbra::scene::{Texture, TextureSlot};
 use antumbra::techniques::VisibilityBuffer;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
-use glam::{UVec2, Vec3};
+use glam::{Affine2, UVec2, Vec3};
 
 const SIZE: UVec2 = UVec2::new(64, 32);
 
@@ -144,6 +145,54 @@ fn a_mesh_beyond_the_device_is_reported_of_its_object() {
     let text = ["`statue` is not drawn", &bytes, "262144 bytes", "Split the mesh"];
     expect(&mut stage, "mesh", Some(object), &text);
     stage.world.despawn(object);
+    expect_nothing(&mut stage);
+}
+
+/// The small device allows 8192 texels along a side of a texture.
+#[test]
+fn textures_beyond_the_device_are_reported_with_both_sizes() {
+    let mut stage = stage(small_device());
+    expect_nothing(&mut stage);
+    let texture = Texture {
+        name: "wall".to_owned(),
+        width: 16_384,
+        height: 3,
+        rgba8: vec![255; 4 * 16_384 * 3],
+        wrap: Default::default(),
+        linear_magnify: true,
+        linear_minify: true,
+    };
+    let slot = TextureSlot {
+        texture: Arc::new(texture),
+        uv_set: 0,
+        uv_transform: Affine2::IDENTITY,
+    };
+    // A texture that is read in two ways is reported once.
+    let material = Material {
+        base_color_texture: Some(slot.clone()),
+        occlusion_texture: Some(slot),
+        ..Material::matte(Vec3::ONE)
+    };
+    let object = object(&mut stage, MeshData::cuboid(Vec3::splat(0.5)));
+    let materials = SceneMaterials([Arc::new(material)].into());
+    stage.world.entity_mut(object).insert(materials);
+    let text = ["`wall`", "16384 × 3", "8192 × 1"];
+    expect(&mut stage, "texture", None, &text);
+    stage.world.despawn(object);
+    expect_nothing(&mut stage);
+
+    let texels = vec![Vec3::ONE; 2 * 9000];
+    let image = CookieImage::from_linear("window", 9000, 2, texels).expect("a picture");
+    let light = (
+        Light::point(Vec3::ONE, 20.0, 20.0),
+        Cookie::around(image),
+        Transform::from_xyz(-1.0, 3.0, 1.0),
+    );
+    let light = stage.world.spawn(light).id();
+    let text = ["`window`", "9000 × 2", "4500 × 1"];
+    expect(&mut stage, "texture", None, &text);
+    stage.world.despawn(light);
+    stage.schedule.run(&mut stage.world); // the frame that frees it
     expect_nothing(&mut stage);
 }
 

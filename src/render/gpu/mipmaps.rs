@@ -58,6 +58,14 @@ pub fn mip_chain(texture: &Texture, srgb: bool, limit: u32) -> MipChain {
     }
 }
 
+/// The size of the level of a texture at which a [`mip_chain`] begins.
+pub fn size_within([mut width, mut height]: [u32; 2], limit: u32) -> [u32; 2] {
+    while width.max(height) > limit.max(1) {
+        (width, height) = ((width / 2).max(1), (height / 2).max(1));
+    }
+    [width, height]
+}
+
 /// The linear value of each byte, and how values become bytes.
 struct Encoding {
     decoded: [f32; 256],
@@ -267,6 +275,8 @@ mod tests {
         let whole = mip_chain(&texture, true, 40);
         let limited = mip_chain(&texture, true, 16);
         assert_eq!((limited.width, limited.height, limited.levels), (10, 5, 4));
+        assert_eq!(size_within([40, 20], 16), [10, 5]);
+        assert_eq!(size_within([40, 20], 40), [40, 20]);
         assert!(whole.rgba8.ends_with(&limited.rgba8));
     }
 }

@@ -13,7 +13,7 @@ use crate::conventions::RADIANCE_MAX;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::slots::Slots;
 use crate::render::{Gpu, RenderContext};
-use crate::scene::{AlphaMode, Material, TextureSlot};
+use crate::scene::{AlphaMode, Material, Texture, TextureSlot};
 
 /// A texture that a host has on the device. It takes the place of a material's own base colour texture.
 #[derive(Clone, Debug)]
@@ -118,6 +118,11 @@ impl SharedMaterials {
         let made = Arc::new(known.upload(&gpu.context, &gpu.layouts.material, &self.white, material));
         known.materials.insert(address, Arc::downgrade(&made));
         made
+    }
+
+    /// Calls `visit` with each texture on the device, in no order.
+    pub fn for_each_texture(&self, visit: impl FnMut(&Texture)) {
+        self.known().textures.iter().for_each(visit);
     }
 
     /// Removes the materials and textures that no view holds.
@@ -286,7 +291,6 @@ mod tests {
 
     use super::*;
     use crate::render::RequestedFeatures;
-    use crate::scene::Texture;
 
     fn square(side: u32) -> Arc<Texture> {
         Arc::new(Texture {

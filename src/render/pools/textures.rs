@@ -138,6 +138,11 @@ impl Textures {
         self.known.get(&address(texture))?.views[encoding as usize].as_ref()
     }
 
+    /// Yields the textures that are on the device, in no order.
+    pub fn iter(&self) -> impl Iterator<Item = &Texture> {
+        self.known.values().map(|known| &*known.source)
+    }
+
     /// Returns the number of textures on the device. One in two encodings counts twice.
     #[cfg(test)]
     pub fn count(&self) -> usize {

@@ -1,6 +1,6 @@
 //! Reading of accessors. Every bound is checked before a byte is read and before memory is allocated.
 
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::HashMap;
 use std::path::PathBuf;
 
@@ -9,7 +9,8 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 
 use super::buffers::BufferBytes;
-use super::{Element, GltfError};
+use super::components::{component_f32, component_u32};
+use super::{Element, GltfError, Report};
 
 /// Decoded bytes that even an empty file may take. This is enough for accessors without a view, which are all
 /// zeros.
@@ -25,8 +26,11 @@ pub(super) struct Accessors<'a> {
     pub root: &'a Root,
     pub buffers: Vec<BufferBytes<'a>>,
     budget_bytes: Cell<u64>,
-    /// The buffer views that were stored compressed and have been read, decompressed.
-    pub views: Vec<OnceCell<Vec<u8>>>,
+    /// The buffer views that were stored compressed and have been read, decompressed. `None` stands for one whose compressed
+    /// bytes are broken and which has its bytes uncompressed as well.
+    pub views: Vec<OnceCell<Option<Vec<u8>>>>,
+    /// What was read uncompressed because its compressed bytes are broken.
+    pub uncompressed: RefCell<Report>,
     /// Accessors whose elements come from compressed primitives instead of their buffer views.
     decoded: HashMap<usize, DecodedAccessor>,
 }
@@ -77,6 +81,7 @@ impl<'a> Accessors<'a> {
             buffers,
             budget_bytes: Cell::new(budget_bytes),
             views: vec![OnceCell::new(); root.buffer_views.len()],
+            uncompressed: RefCell::default(),
             decoded: HashMap::new(),
         }
     }
@@ -180,7 +185,8 @@ impl<'a> Accessors<'a> {
         use ComponentType::{U8, U16, U32};
         if !matches!(layout.component, U8 | U16 | U32) {
             let reason = format!("indices must be unsigned integers, it has {:?}", layout.component);
-            return Err(self.invalid(Element::Accessor(accessor), reason));
+            let error = self.invalid(Element::Accessor(accessor), reason);
+            return Err(error.read_by(referrer));
         }
         self.charge(Element::Accessor(accessor), layout.count, 4 * N)?;
         Ok(layout.collect([0; N], |bytes| {
@@ -189,8 +195,13 @@ impl<'a> Accessors<'a> {
         }))
     }
 
-    /// Checks everything that reading relies on. An accessor that does not exist is an error of the element that refers to it.
+    /// Checks everything that reading relies on. Errors name the element that refers to the accessor, and the accessor.
     fn layout(&self, index: usize, width: usize, referrer: Element) -> Result<Layout<'_>, GltfError> {
+        let layout = self.checked_layout(index, width, referrer);
+        layout.map_err(|error| error.read_by(Element::Accessor(index)).read_by(referrer))
+    }
+
+    fn checked_layout(&self, index: usize, width: usize, referrer: Element) -> Result<Layout<'_>, GltfError> {
         let element = Element::Accessor(index);
         let invalid = |reason: String| self.invalid(element, reason);
         let accessor = self
@@ -366,33 +377,5 @@ impl Layout<'_> {
             }
         }
         values
-    }
-}
-
-fn component_u32(bytes: &[u8], component: ComponentType) -> u32 {
-    match component {
-        ComponentType::U8 | ComponentType::I8 => u32::from(bytes[0]),
-        ComponentType::U16 | ComponentType::I16 => u32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-        ComponentType::U32 | ComponentType::F32 => {
-            u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
-        }
-    }
-}
-
-/// Converts a component to a number. Source of the normalisation: glTF 2.0 §3.11, "Animations" (the equations
-/// apply to all accessors).
-fn component_f32(bytes: &[u8], component: ComponentType, normalized: bool) -> f32 {
-    let (value, largest) = match component {
-        ComponentType::I8 => (f32::from(bytes[0] as i8), 127.0),
-        ComponentType::U8 => (f32::from(bytes[0]), 255.0),
-        ComponentType::I16 => (f32::from(i16::from_le_bytes([bytes[0], bytes[1]])), 32767.0),
-        ComponentType::U16 => (f32::from(u16::from_le_bytes([bytes[0], bytes[1]])), 65535.0),
-        ComponentType::U32 => (component_u32(bytes, component) as f32, u32::MAX as f32),
-        ComponentType::F32 => return f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
-    };
-    if normalized {
-        (value / largest).max(-1.0)
-    } else {
-        value
     }
 }

@@ -1,7 +1,8 @@
 //! Primitives that are compressed by `KHR_draco_mesh_compression`.
 //!
-//! Such a primitive is decoded before meshes are read, and its accessors then have the decoded elements. Without the
-//! cargo feature `gltf-draco` the accessors keep their own data, if the file has any for them.
+//! Such a primitive is decoded before meshes are read, and its accessors then have the decoded elements. The accessors keep
+//! their own data, if the file has any for them, without the cargo feature `gltf-draco`, and where the compressed data is
+//! broken, unless the file requires the extension.
 
 use std::collections::HashMap;
 
@@ -30,29 +31,38 @@ pub(super) fn refuse_unread(
     if cfg!(feature = "gltf-draco") || !is_compressed(primitive) {
         return Ok(());
     }
-    let used = primitive
-        .attributes
-        .values()
-        .chain(primitive.indices.as_ref())
-        .map(|accessor| accessor.value());
-    let without_data = |&accessor: &usize| {
-        let accessor = accessors.root.accessors.get(accessor);
-        accessor.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
-    };
-    match used.min_by_key(|accessor| (!without_data(accessor), *accessor)) {
-        Some(accessor) if without_data(&accessor) => {
+    match accessor_without_data(accessors, primitive) {
+        Some(accessor) => {
             let reason = format!(
                 "its data is compressed by {DRACO}, {}, and accessor {accessor} has no other data",
                 why_unread(DRACO)
             );
             Err(accessors.invalid(element, reason))
         }
-        _ => Ok(()),
+        None => Ok(()),
     }
 }
 
+/// The indices of the accessors of a primitive's attributes and triangles.
+fn accessors_of(primitive: &Primitive) -> impl Iterator<Item = usize> + '_ {
+    let used = primitive.attributes.values().chain(primitive.indices.as_ref());
+    used.map(|accessor| accessor.value())
+}
+
+/// The first of a primitive's accessors that has no data of its own and would read as zeros.
+fn accessor_without_data(accessors: &Accessors<'_>, primitive: &Primitive) -> Option<usize> {
+    let is_without = |accessor: &usize| {
+        let accessor = accessors.root.accessors.get(*accessor);
+        accessor.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
+    };
+    accessors_of(primitive).filter(is_without).min()
+}
+
 #[cfg(not(feature = "gltf-draco"))]
-pub(super) fn decode(_accessors: &mut Accessors<'_>) -> Result<Corners, GltfError> {
+pub(super) fn decode(
+    _accessors: &mut Accessors<'_>,
+    _report: &mut super::Report,
+) -> Result<Corners, GltfError> {
     Ok(Corners::new())
 }
 
@@ -70,17 +80,24 @@ mod decoder {
     use gltf::json::{Index, Value};
 
     use super::super::accessors::{Accessors, DecodedAccessor};
-    use super::super::extensions::{DRACO, whole_number};
-    use super::super::{Element, GltfError};
-    use super::Corners;
+    use super::super::extensions::{DRACO, report_broken, whole_number};
+    use super::super::{Element, GltfError, Report};
+    use super::{Corners, accessor_without_data, accessors_of};
 
-    /// Decodes all compressed primitives of the file and gives their accessors the elements.
+    /// Decodes all compressed primitives of the file and gives their accessors the elements. A primitive whose stream is
+    /// broken keeps its uncompressed data if it has all of it, which is reported.
     ///
     /// # Errors
-    /// A stream that is broken or does not have an attribute that the primitive names.
-    pub(in super::super) fn decode(accessors: &mut Accessors<'_>) -> Result<Corners, GltfError> {
+    /// A stream that is broken or does not have an attribute that the primitive names, where the primitive has no other data
+    /// or the file requires the extension.
+    pub(in super::super) fn decode(
+        accessors: &mut Accessors<'_>,
+        report: &mut Report,
+    ) -> Result<Corners, GltfError> {
         let mut corners = Corners::new();
         let root = accessors.root;
+        let is_required = accessors.requires(DRACO);
+        let mut broken: Vec<(Element, &Primitive, GltfError)> = Vec::new();
         // An accessor may belong to several primitives only if they come from the same stream.
         let mut owners: HashMap<usize, usize> = HashMap::new();
         for (mesh, json) in root.meshes.iter().enumerate() {
@@ -93,7 +110,14 @@ mod decoder {
                 let Some(object) = others.and_then(|others| others.get(DRACO)) else {
                     continue;
                 };
-                let stream = read(accessors, element, primitive, object)?;
+                let stream = match read(accessors, element, primitive, object) {
+                    Ok(stream) => stream,
+                    Err(error) if !is_required && accessor_without_data(accessors, primitive).is_none() => {
+                        broken.push((element, primitive, error));
+                        continue;
+                    }
+                    Err(error) => return Err(error),
+                };
                 corners.insert(element, stream.corners);
                 let view = stream.view;
                 for (accessor, elements) in stream.attributes {
@@ -107,6 +131,13 @@ mod decoder {
                     accessors.decode(accessor, elements);
                 }
             }
+        }
+        for (element, primitive, error) in broken {
+            // Another stream has given an accessor its own order of vertices.
+            if accessors_of(primitive).any(|accessor| owners.contains_key(&accessor)) {
+                return Err(error);
+            }
+            report_broken(report, &accessors.file, element, DRACO, &error);
         }
         Ok(corners)
     }
@@ -130,7 +161,9 @@ mod decoder {
         let invalid = |reason: String| accessors.invalid(element, format!("{DRACO}: {reason}"));
         let view = whole_number(object.get("bufferView"))
             .ok_or_else(|| invalid("bufferView is not an index".to_owned()))?;
-        let stream = accessors.view(element, Index::new(view as u32))?;
+        let stream = accessors
+            .view(element, Index::new(view as u32))
+            .map_err(|error| error.read_by(element))?;
         let limits = limits(accessors.budget_left());
         let mut mesh = Mesh::new();
         let mut buffer = DecoderBuffer::new(stream).with_limits(limits);

@@ -1,6 +1,6 @@
 //! Errors of the glTF import. Every variant names the file and the element.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::Element;
 
@@ -71,7 +71,7 @@ pub enum GltfError {
     Invalid {
         /// Path of the glTF file.
         file: PathBuf,
-        /// The element that breaks the rule.
+        /// The element that breaks the rule, or one that reads the data of such an element, which the reason then names.
         element: Element,
         /// The rule, and what was found instead.
         reason: String,
@@ -104,6 +104,38 @@ pub enum GltfError {
         /// Bytes that are left of the limit.
         left: u64,
     },
+}
+
+impl GltfError {
+    /// The same fault, named by the element that reads the faulty one.
+    pub(super) fn read_by(self, reader: Element) -> Self {
+        match self {
+            Self::Invalid {
+                file,
+                element,
+                reason,
+            } if element != reader => Self::Invalid {
+                file,
+                element: reader,
+                reason: format!("{element}: {reason}"),
+            },
+            other => other,
+        }
+    }
+
+    /// The message without the file, and without the element and the extension if it begins with them.
+    pub(super) fn reason_in(&self, file: &Path, element: Element, extension: &str) -> String {
+        let text = self.to_string();
+        let mut rest = text.as_str();
+        for part in [
+            file.display().to_string(),
+            element.to_string(),
+            extension.to_owned(),
+        ] {
+            rest = rest.strip_prefix(&format!("{part}: ")).unwrap_or(rest);
+        }
+        rest.to_owned()
+    }
 }
 
 fn before(path: &str) -> String {

@@ -1,6 +1,7 @@
 //! The extensions of glTF: which are supported, and what becomes of the others.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use gltf::json::{Root, Value};
 
@@ -78,9 +79,22 @@ pub(super) fn whole_number(value: Option<&Value>) -> Option<usize> {
     usize::try_from(whole?).ok()
 }
 
+/// Reports an element whose data is read uncompressed because that of an extension is broken.
+pub(super) fn report_broken(
+    report: &mut Report,
+    file: &Path,
+    element: Element,
+    extension: &str,
+    error: &GltfError,
+) {
+    let reason = error.reason_in(file, element, extension);
+    let reason = format!("{extension} is broken, the uncompressed data is read instead: {reason}");
+    report.add(SkipKind::Extension, element, 1, reason);
+}
+
 /// Refuses extensions that the file requires and the import lacks. Reports the others that it uses, whether it
 /// declares them or not.
-pub(super) fn check(root: &Root, file: &std::path::Path, report: &mut Report) -> Result<(), GltfError> {
+pub(super) fn check(root: &Root, file: &Path, report: &mut Report) -> Result<(), GltfError> {
     let supported = |name: &str| SUPPORTED_EXTENSIONS.contains(&name);
     if let Some(extension) = root.extensions_required.iter().find(|name| !supported(name)) {
         return Err(GltfError::Extension {

@@ -11,7 +11,7 @@ use smallvec::SmallVec;
 use super::accessors::Accessors;
 use super::append_vertices::append;
 use super::draco::{self, Corners};
-use super::triangles::{split_flat, triangulate};
+use super::triangles::{plural, split_flat, triangulate};
 use super::vertex_alpha::VertexAlpha;
 use super::vertices::{self, Vertices, attribute};
 use super::{Element, GltfError, Report, SkipKind, incomplete};
@@ -195,7 +195,7 @@ impl Import<'_, '_> {
                 Ok(Some(mode))
             }
             Checked::Valid(mode) => {
-                let reason = format!("{mode:?} have no surface");
+                let reason = format!("{} have no surface", plural(mode));
                 self.report.add(SkipKind::DrawMode, element, 1, reason);
                 Ok(None)
             }

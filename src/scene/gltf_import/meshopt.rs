@@ -1,7 +1,8 @@
 //! Buffer views that are compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression`.
 //!
-//! The bytes that a view should have come out of another range, which the extension names. Without the cargo feature
-//! `gltf-meshopt` the view's own range is read, which some files fill as well.
+//! The bytes that a view should have come out of another range, which the extension names. Some files fill the view's own
+//! range as well. It is read without the cargo feature `gltf-meshopt`, and where the compressed bytes are broken, unless the
+//! file requires the extension.
 
 use gltf::json::Value;
 use gltf::json::buffer::View;
@@ -27,15 +28,15 @@ pub(super) struct Compressed<'a> {
 }
 
 impl<'a> Compressed<'a> {
-    /// The extension object of a view, or `None` if the view is not compressed.
+    /// The name of the extension by which a view is compressed, and its object. `None` if the view is not compressed.
     ///
     /// # Errors
-    /// A sentence about what has no meaning.
-    pub fn of(view: &'a View) -> Option<Result<Self, String>> {
+    /// A sentence about what has no meaning in the object.
+    pub fn of(view: &'a View) -> Option<(&'static str, Result<Self, String>)> {
         let others = &view.extensions.as_ref()?.others;
         [MESHOPT_KHR, MESHOPT_EXT].into_iter().find_map(|extension| {
             let object = others.get(extension)?;
-            Some(Self::read(extension, object))
+            Some((extension, Self::read(extension, object)))
         })
     }
 

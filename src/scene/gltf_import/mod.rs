@@ -7,7 +7,7 @@
 //! | extensions: supported, ignored, refused | `extensions.rs` |
 //! | buffers from chunk, data URI, file | `buffers.rs` |
 //! | buffer views, compressed ones, compressed primitives | `views.rs`, `meshopt.rs`, `draco.rs` |
-//! | accessors, with bounds checked first | `accessors.rs` |
+//! | accessors, with bounds checked first | `accessors.rs`, `components.rs` |
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs`, `incomplete.rs` |
 //! | textures, their pictures | `texture.rs`, `images.rs` |
 //! | materials, those of other models, computed textures | `material.rs`, `clearcoat.rs`, `specular_glossiness.rs`, `transmission.rs`, `vertex_alpha.rs`, `bake.rs` |
@@ -40,6 +40,7 @@
 //! | `KHR_texture_basisu` | loaded with the cargo feature `gltf-basisu` |
 //! | whole numbers written `24.0`, scenes that list children, unread buffers that are missing, undeclared extensions | loaded; what it changes is reported |
 //! | points, lines, empty primitives, pictures that are missing or broken, third sets of coordinates | left out, reported |
+//! | compressed data that is broken, and not required, beside the same data uncompressed; WebP and KTX2 pictures that are broken beside another picture | the other is loaded, reported |
 //! | cameras, lights, animation channels, material numbers without a meaning | left out or clamped, reported |
 //! | other extensions in `extensionsUsed`, such as `KHR_materials_specular`, `_sheen`, `_variants` | ignored, reported |
 //! | other extensions in `extensionsRequired`; those above without their feature | an error that names the extension and the feature |
@@ -53,6 +54,7 @@ mod cell_extras;
 mod cells;
 mod clearcoat;
 mod clips;
+mod components;
 mod container;
 mod draco;
 mod error;
@@ -168,7 +170,7 @@ fn load(bytes: &[u8], base_dir: Option<&Path>, file: &Path) -> Result<LoadedGltf
     let document = container::parse(bytes, file, &mut report)?;
     let buffers = buffers::load(&document.root, document.binary_chunk, base_dir);
     let mut accessors = Accessors::new(file.to_owned(), &document.root, buffers, bytes.len());
-    let decoded = draco::decode(&mut accessors)?;
+    let decoded = draco::decode(&mut accessors, &mut report)?;
 
     let mut textures = Textures::new(&accessors, base_dir);
     let (materials, vertex_alpha) = material::load(&accessors, &mut textures, &mut report)?;
@@ -181,6 +183,7 @@ fn load(bytes: &[u8], base_dir: Option<&Path>, file: &Path) -> Result<LoadedGltf
     let cameras = nodes::load_cameras(&accessors, &mut report);
     let clips: Arc<[AnimationClip]> = clips::load(&accessors, &nodes, &mut report)?.into();
     singular::report(&nodes, &meshes, &clips, &mut report);
+    report.skips.append(&mut accessors.uncompressed.take().skips);
     Ok(LoadedGltf {
         file: file.to_owned(),
         meshes,

@@ -112,8 +112,8 @@ pub enum SkipKind {
     LightValue,
     /// An animation channel that cannot be read or that targets no node. Counts channels.
     AnimationChannel,
-    /// An extension in use that is neither supported nor required, or that says nothing readable of a node. Counts
-    /// extensions, or nodes.
+    /// An extension in use that is neither supported nor required, that says nothing readable of a node, or whose data is
+    /// broken while its primitive or buffer view has other data. Counts extensions, or such elements.
     Extension,
 }
 

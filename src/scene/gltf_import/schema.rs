@@ -85,15 +85,14 @@ fn version_of(document: &Value) -> Option<String> {
     stated.or_else(|| has_named_lists.then(|| "1.0".to_owned()))
 }
 
-/// Turns numbers like `24.0` into whole ones, everywhere. Where a fraction is allowed, the value stays the same.
+/// Turns numbers like `24.0` into whole ones, everywhere. Where a fraction is allowed, the value stays equal: −0 becomes 0.
 fn make_numbers_whole(value: &mut Value) {
     match value {
         Value::Number(number) => {
             let Some(float) = number.as_f64().filter(|_| number.is_f64()) else {
                 return;
             };
-            let is_whole = float.fract() == 0.0 && float.abs() < WHOLE_NUMBERS_END;
-            if is_whole && !(float == 0.0 && float.is_sign_negative()) {
+            if float.fract() == 0.0 && float.abs() < WHOLE_NUMBERS_END {
                 *value = Value::from(float as i64);
             }
         }

@@ -1,6 +1,7 @@
 //! Import of images and samplers. A texture that cannot be loaded is reported, and the material does without
 //! it.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -9,6 +10,7 @@ use gltf::json::image::Image;
 use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Texture as JsonTexture};
+use smallvec::SmallVec;
 
 use super::accessors::Accessors;
 use super::extensions::{BASISU, SUPPORTED_EXTENSIONS, WEBP, whole_number, why_unread};
@@ -48,7 +50,7 @@ impl<'a> Textures<'a> {
     /// The texture, or `None` if it could not be loaded; the reason is then in the report.
     ///
     /// # Errors
-    /// An index that is out of range, or an image whose buffer view runs past its buffer.
+    /// An index that is out of range.
     pub fn load(
         &mut self,
         index: Index<JsonTexture>,
@@ -62,22 +64,48 @@ impl<'a> Textures<'a> {
             Some(sampler) => self.accessors.get(&root.samplers, sampler, element, "sampler")?,
             None => &Sampler::default(),
         };
-        let source = match image_of(texture) {
-            Ok(source) => source,
+        let sources = match images_of(texture, root.images.len()) {
+            Ok(sources) => sources,
             Err(reason) => {
                 report.add(SkipKind::Texture, element, 1, reason);
                 return Ok(None);
             }
         };
-        let image_index: Index<Image> = Index::new(u32::try_from(source).unwrap_or(u32::MAX));
-        let image = self.accessors.get(&root.images, image_index, element, "image")?;
-        let key = (source, sampler_key(sampler));
-        if let Some(known) = self.loaded.get(&key) {
-            return Ok(known.clone());
+        for source in sources {
+            let index: Index<Image> = Index::new(u32::try_from(source).unwrap_or(u32::MAX));
+            let image = self.accessors.get(&root.images, index, element, "image")?;
+            let key = (source, sampler_key(sampler));
+            let known = self.loaded.get(&key).cloned();
+            let loaded = match known {
+                Some(known) => known,
+                None => self.load_image(source, image, key.1, report)?.map(Arc::new),
+            };
+            self.loaded.insert(key, loaded.clone());
+            if loaded.is_some() {
+                return Ok(loaded);
+            }
         }
-        let loaded = self.load_image(key.0, image, key.1, report)?.map(Arc::new);
-        self.loaded.insert(key, loaded.clone());
-        Ok(loaded)
+        Ok(None)
+    }
+
+    /// The bytes of an image's file, or why there are none.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn encoded(&self, element: Element, image: &Image) -> Result<Result<Cow<'a, [u8]>, String>, GltfError> {
+        let accessors = self.accessors;
+        match (image.buffer_view, &image.uri) {
+            (Some(view), _) => match accessors
+                .view(element, view)
+                .map_err(|error| error.read_by(element))
+            {
+                Ok(bytes) => Ok(Ok(Cow::Borrowed(bytes))),
+                Err(GltfError::Invalid { reason, .. }) => Ok(Err(reason)),
+                Err(error) => Err(error),
+            },
+            (None, Some(uri)) => Ok(buffers::read_uri(uri, self.base_dir, None).map(Cow::Owned)),
+            (None, None) => Ok(Err("it has neither a URI nor a buffer view".to_owned())),
+        }
     }
 
     fn load_image(
@@ -88,30 +116,9 @@ impl<'a> Textures<'a> {
         report: &mut Report,
     ) -> Result<Option<Texture>, GltfError> {
         let element = Element::Image(index);
-        let from_uri;
-        let encoded: &[u8] = match (image.buffer_view, &image.uri) {
-            (Some(view), _) => self.accessors.view(element, view)?,
-            (None, Some(uri)) => match buffers::read_uri(uri, self.base_dir, None) {
-                Ok(bytes) => {
-                    from_uri = bytes;
-                    &from_uri
-                }
-                Err(reason) => {
-                    report.add(SkipKind::Texture, element, 1, reason);
-                    return Ok(None);
-                }
-            },
-            (None, None) => {
-                report.add(
-                    SkipKind::Texture,
-                    element,
-                    1,
-                    "it has neither a URI nor a buffer view",
-                );
-                return Ok(None);
-            }
-        };
-        let (width, height, rgba8) = match images::decode(encoded, self.left_bytes) {
+        let encoded = self.encoded(element, image)?;
+        let decoded = encoded.and_then(|encoded| images::decode(&encoded, self.left_bytes));
+        let (width, height, rgba8) = match decoded {
             Ok(pixels) => pixels,
             Err(reason) => {
                 report.add(SkipKind::Texture, element, 1, reason);
@@ -154,21 +161,22 @@ fn sampler_key(sampler: &Sampler) -> SamplerKey {
     }
 }
 
-/// The image of a texture: that of an extension if this build reads it, and otherwise the one that any reader may take.
-/// The error states why there is none.
-fn image_of(texture: &JsonTexture) -> Result<usize, String> {
+/// The images of a texture, best first: those of extensions that this build reads, and then the one that any reader may take.
+/// A file has `image_count` images; the last one is left out if it is not among them and there are others. The error states
+/// why there is none.
+fn images_of(texture: &JsonTexture, image_count: usize) -> Result<SmallVec<[usize; 3]>, String> {
     let others = texture.extensions.as_ref().map(|extensions| &extensions.others);
     let of = |extension| whole_number(others?.get(extension)?.get("source"));
     let named = [BASISU, WEBP].map(|extension| (extension, of(extension)));
     let readable = named
         .iter()
-        .find(|(extension, source)| source.is_some() && SUPPORTED_EXTENSIONS.contains(extension));
-    if let Some((_, Some(source))) = readable {
-        return Ok(*source);
-    }
+        .filter(|(extension, _)| SUPPORTED_EXTENSIONS.contains(extension));
+    let mut images: SmallVec<[usize; 3]> = readable.filter_map(|(_, source)| *source).collect();
     // `gltf::json` reads an absent source as the largest index.
-    if texture.source.value() != u32::MAX as usize {
-        return Ok(texture.source.value());
+    let plain = Some(texture.source.value()).filter(|&source| source != u32::MAX as usize);
+    images.extend(plain.filter(|&source| images.is_empty() || source < image_count));
+    if !images.is_empty() {
+        return Ok(images);
     }
     Err(match named.iter().find(|(_, source)| source.is_some()) {
         Some((extension, _)) => format!("its image is in {extension}, {}", why_unread(extension)),

@@ -30,6 +30,19 @@ pub(super) fn triangulate(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
+/// What the primitives of a mode are called, as the beginning of a sentence.
+pub(super) fn plural(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Points => "Points",
+        Mode::Lines => "Lines",
+        Mode::LineLoop => "Line loops",
+        Mode::LineStrip => "Line strips",
+        Mode::Triangles => "Triangles",
+        Mode::TriangleStrip => "Triangle strips",
+        Mode::TriangleFan => "Triangle fans",
+    }
+}
+
 /// Gives each triangle separate vertices with the triangle's normal.
 pub(super) fn split_flat(
     accessors: &Accessors<'_>,

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::frame_view::View;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput, is_outside_out};
@@ -164,13 +164,84 @@ fn is_inverted_hull(mesh: &MeshData, indices: &[u32]) -> bool {
         return false;
     }
     // Turned around it is an ordinary closed mesh; as it is, its pieces count as open.
-    let turned = indices.as_chunks::<3>().0.iter();
-    let turned: Vec<u32> = turned.flat_map(|&[a, b, c]| [a, c, b]).collect();
+    let (positions, mut turned) = own_vertices(&mesh.positions, indices.as_chunks::<3>().0.as_flattened());
+    for corners in turned.as_chunks_mut::<3>().0 {
+        corners.swap(1, 2);
+    }
     let edges = EdgeMesh::build(EdgeMeshInput {
-        positions: &mesh.positions,
+        positions: &positions,
         indices: &turned,
         pose_keys: None,
         weld_epsilon: None,
     });
-    edges.is_ok_and(|edges| edges.is_closed() && is_outside_out(&mesh.positions, edges.corners()))
+    edges.is_ok_and(|edges| edges.is_closed() && is_outside_out(&positions, edges.corners()))
+}
+
+/// The vertices that `indices` name, in the order of the mesh, and `indices` counted among them. O(n log n) in the number of
+/// indices: a mesh of many submeshes has each of its vertices welded once, not once for each submesh.
+///
+/// All indices must be in range.
+fn own_vertices(positions: &[Vec3], indices: &[u32]) -> (Vec<Vec3>, Vec<u32>) {
+    let mut named = indices.to_vec();
+    named.sort_unstable();
+    named.dedup();
+    let number = |index: &u32| named.partition_point(|named| named < index) as u32;
+    let numbers = indices.iter().map(number).collect();
+    (
+        named.iter().map(|&index| positions[index as usize]).collect(),
+        numbers,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Submesh;
+
+    /// A mesh of boxes that are inside out, with a submesh each.
+    fn boxes(count: u32) -> MeshData {
+        let mut mesh = MeshData::default();
+        for place in 0..count {
+            let part = MeshData::cuboid(Vec3::splat(0.25));
+            let base = mesh.positions.len() as u32;
+            let corners = part.indices.as_chunks::<3>().0.iter();
+            mesh.submeshes.push(Submesh {
+                first_index: mesh.indices.len() as u32,
+                index_count: part.indices.len() as u32,
+            });
+            mesh.indices
+                .extend(corners.flat_map(|&[a, b, c]| [base + a, base + c, base + b]));
+            let shift = place as f32 * Vec3::X;
+            mesh.positions.extend(part.positions.iter().map(|at| at + shift));
+        }
+        mesh
+    }
+
+    #[test]
+    fn a_submesh_is_examined_with_its_own_vertices_alone() {
+        let mesh = boxes(50);
+        let each = mesh.positions.len() / 50;
+        let mut examined = 0;
+        for part in &mesh.submeshes {
+            let indices = &mesh.indices[mesh.submesh_range(part)];
+            let (positions, numbers) = own_vertices(&mesh.positions, indices);
+            assert_eq!(positions.len(), each);
+            examined += positions.len();
+            for (&number, &index) in numbers.iter().zip(indices) {
+                assert_eq!(positions[number as usize], mesh.positions[index as usize]);
+            }
+        }
+        assert_eq!(examined, mesh.positions.len(), "each vertex once");
+        let found = Inverted::of(&mesh);
+        assert!(found.whole);
+        assert_eq!(found.submeshes.to_vec(), Vec::from_iter(0..50));
+    }
+
+    #[test]
+    fn vertices_keep_their_order_and_unnamed_ones_are_left_out() {
+        let positions: Vec<Vec3> = (0..6).map(|x| Vec3::X * x as f32).collect();
+        let (own, numbers) = own_vertices(&positions, &[5, 1, 3, 3, 1, 5]);
+        assert_eq!(own, [positions[1], positions[3], positions[5]]);
+        assert_eq!(numbers, [2, 0, 1, 1, 0, 2]);
+    }
 }

@@ -257,3 +257,47 @@ fn huge_counts_are_refused_before_memory_is_taken() {
     });
     assert_names(&message, &["accessor", "limit"]);
 }
+
+/// A buffer without bytes is no placeholder any more when a mesh or an animation reads it.
+#[test]
+fn a_missing_buffer_names_the_element_that_reads_it() {
+    type Edit = fn(&mut Builder, Value);
+    let edits: [(Edit, &str); 4] = [
+        (
+            |b, accessor| b.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = accessor,
+            "mesh 0 primitive 0",
+        ),
+        (
+            |b, accessor| b.json["meshes"][0]["primitives"][0]["targets"][0]["NORMAL"] = accessor,
+            "mesh 0 primitive 0",
+        ),
+        (
+            |b, accessor| b.json["animations"][0]["samplers"][1]["output"] = accessor,
+            "animation 0 channel 1",
+        ),
+        (
+            |b, accessor| b.json["skins"][0]["inverseBindMatrices"] = accessor,
+            "skin 0",
+        ),
+    ];
+    for (edit, user) in edits {
+        let mut index = 0;
+        let message = error_after(|b| {
+            b.json["buffers"] = json!([{"byteLength": b.binary.len()}, {"byteLength": 999}]);
+            let view = b.push("bufferViews", json!({"buffer": 1, "byteLength": 512}));
+            let kind = match user {
+                "skin 0" => "MAT4",
+                "animation 0 channel 1" => "SCALAR",
+                _ => "VEC3",
+            };
+            let count = if kind == "VEC3" { 4 } else { 2 };
+            index = b.push(
+                "accessors",
+                json!({"bufferView": view, "componentType": F32, "type": kind, "count": count}),
+            );
+            edit(b, json!(index));
+        });
+        let accessor = format!("accessor {index}");
+        assert_names(&message, &[user, &accessor, "buffer 1: it has no URI"]);
+    }
+}

@@ -79,3 +79,15 @@ fn textures_that_cannot_be_had_are_reported() {
     assert!(undecodable.contains("image 1"), "{undecodable}");
     assert!(image(json!({})).contains("image 1"));
 }
+
+#[test]
+fn points_and_lines_are_left_out_and_named() {
+    for (mode, name) in [(0, "Points"), (1, "Lines"), (2, "Line loops"), (3, "Line strips")] {
+        let mut builder = quad();
+        builder.json["meshes"][0]["primitives"][0]["mode"] = json!(mode);
+        let report = builder.load().report;
+        assert_eq!(report.count(SkipKind::DrawMode), 1);
+        let text = format!("{name} have no surface");
+        assert!(report.to_string().contains(&text), "{report}");
+    }
+}

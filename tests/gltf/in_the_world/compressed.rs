@@ -183,6 +183,27 @@ mod draco {
         assert!(missing.contains("buffer view 9"), "{missing}");
     }
 
+    /// A stream that another primitive decodes has given the shared accessors its own order of vertices.
+    #[test]
+    fn a_broken_stream_beside_a_good_one_of_the_same_accessors_is_an_error() {
+        let sheet = sheet(4);
+        let mut builder = file(&encode(&sheet, 5), &sheet);
+        builder.json.as_object_mut().unwrap().remove("extensionsRequired");
+        let view = builder.view(&[0; 1024]);
+        for accessor in 0..4 {
+            builder.json["accessors"][accessor]["bufferView"] = json!(view);
+        }
+        assert!(builder.load().report.is_empty());
+        let mut second = builder.json["meshes"][0]["primitives"][0].clone();
+        second["extensions"]["KHR_draco_mesh_compression"]["bufferView"] = json!(99);
+        builder.json["meshes"][0]["primitives"]
+            .as_array_mut()
+            .unwrap()
+            .push(second);
+        let error = builder.error();
+        assert!(error.contains("mesh 0 primitive 1: buffer view 99"), "{error}");
+    }
+
     #[test]
     fn broken_streams_never_panic() {
         let sheet = sheet(5);

@@ -42,6 +42,15 @@ fn whole_numbers_may_have_a_fraction_of_zero() {
         );
         assert_eq!(loaded.report, plain.report);
     }
+    // Zero may have a sign.
+    for zero in ["-0.0", "-0"] {
+        let builder = quad();
+        let text = builder.document(None).to_string();
+        let signed = text.replace("\"buffer\":0", &format!("\"buffer\":{zero}"));
+        assert_ne!(signed, text);
+        let loaded = load_gltf_slice(&glb(signed.as_bytes(), &builder.binary), None, "test.glb").unwrap();
+        assert_eq!(loaded.meshes[0].data, builder.load().meshes[0].data);
+    }
     // A fraction that is not zero is no whole number.
     let mut builder = quad();
     builder.json["accessors"][1]["count"] = json!(4.5);

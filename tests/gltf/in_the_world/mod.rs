@@ -5,5 +5,7 @@ mod compressed;
 mod documents;
 pub mod materials;
 mod nodes;
+#[cfg(any(feature = "gltf-draco", feature = "gltf-meshopt"))]
+mod other_data;
 mod pictures;
 mod vertex_alpha;

@@ -176,3 +176,58 @@ fn pictures_that_are_not_there_are_reported() {
         nothing.report
     );
 }
+
+#[test]
+fn pictures_in_buffers_that_are_missing_or_short_are_reported() {
+    for (view, part) in [
+        (json!({"buffer": 1, "byteLength": 99}), "buffer 1: it has no URI"),
+        (json!({"buffer": 0, "byteLength": 1 << 20}), "runs past the end"),
+    ] {
+        let mut builder = textured(b"", json!({"source": 0}), "KHR_texture_transform");
+        builder.json["buffers"] = json!([{"byteLength": builder.binary.len()}, {"byteLength": 999}]);
+        let index = builder.push("bufferViews", view);
+        builder.json["images"][0] = json!({"bufferView": index});
+        let gltf = builder.load();
+        assert_eq!(
+            (gltf.triangle_count(), gltf.report.count(SkipKind::Texture)),
+            (2, 1)
+        );
+        assert!(gltf.materials[0].base_color_texture.is_none());
+        let text = gltf.report.to_string();
+        assert!(text.contains("image 0: ") && text.contains(part), "{text}");
+        // What refers to nothing is an error all the same.
+        builder.json["images"][0]["bufferView"] = json!(99);
+        let error = builder.error();
+        assert!(error.contains("image 0: buffer view 99"), "{error}");
+    }
+}
+
+/// A picture that an extension names is broken, and the texture names another one.
+#[cfg(any(feature = "gltf-webp", feature = "gltf-basisu"))]
+#[test]
+fn a_broken_picture_leaves_the_one_beside_it() {
+    let name = if cfg!(feature = "gltf-webp") {
+        "EXT_texture_webp"
+    } else {
+        "KHR_texture_basisu"
+    };
+    let mut png = std::io::Cursor::new(Vec::new());
+    let color = image::Rgba([10, 20, 30, 255]);
+    image::RgbaImage::from_pixel(2, 1, color)
+        .write_to(&mut png, image::ImageFormat::Png)
+        .unwrap();
+    let texture = json!({"source": 1, "extensions": {name: {"source": 0}}});
+    let mut builder = textured(b"no picture", texture, name);
+    let view = builder.view(&png.into_inner());
+    builder.push("images", json!({"bufferView": view}));
+    let gltf = builder.load();
+    let texture = &gltf.materials[0].base_color_texture.as_ref().unwrap().texture;
+    assert_eq!(texture.rgba8, color.0.repeat(2));
+    assert_eq!(gltf.report.count(SkipKind::Texture), 1);
+    assert!(gltf.report.to_string().contains("image 0: "), "{}", gltf.report);
+    // Where the other one does not exist, the texture is left out as without it.
+    builder.json["textures"][0]["source"] = json!(7);
+    let gltf = builder.load();
+    assert!(gltf.materials[0].base_color_texture.is_none());
+    assert_eq!(gltf.report.count(SkipKind::Texture), 1);
+}

@@ -103,6 +103,12 @@ impl LightTextureStore {
         sampler.clone()
     }
 
+    /// Calls `visit` with the picture of each cookie, in no order.
+    pub fn for_each_cookie(&self, mut visit: impl FnMut(&CookieImage)) {
+        let known = self.known();
+        known.cookies.values().for_each(|(image, _)| visit(image));
+    }
+
     /// Frees the textures whose picture or table nobody else holds.
     pub fn forget_unused(&self) {
         let mut known = self.known();

@@ -123,9 +123,11 @@ impl MapDraws {
             });
             return;
         }
-        for submesh in (0..submeshes).filter(|submesh| !left_out.contains(&(*submesh as u32))) {
-            let items = input.table.items_of(object);
-            let item = items.iter().find(|item| item.submesh as usize == submesh);
+        // Both lists are in the order of the submeshes.
+        let items = input.table.items_of(object);
+        for submesh in (0..submeshes).filter(|submesh| left_out.binary_search(&(*submesh as u32)).is_err()) {
+            let item = items.binary_search_by_key(&(submesh as u32), |item| item.submesh);
+            let item = item.ok().map(|at| &items[at]);
             self.parts.push(Part {
                 material: item.filter(|_| is_masked(submesh)).map(|item| item.material),
                 mesh,
