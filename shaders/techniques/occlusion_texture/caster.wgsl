@@ -87,6 +87,21 @@ fn solid(in: Solid) -> Slices {
     return slices_at(in.depth);
 }
 
+// What a surface of a closed caster adds at the top of each slice behind it: the sum over the caster's fronts and backs is not 0
+// where the top lies inside of it.
+@fragment
+fn crossings(in: Solid, @builtin(front_facing) is_front: bool) -> Slices {
+    let crossing = vec4f(select(-1.0, 1.0, is_front));
+    var before = face.depth.z;          // end of the slice before a group
+    var out: array<vec4f, 4>;
+    for (var group = 0; group < 4; group++) {
+        let bottoms = face.bottoms[group];
+        out[group] = select(vec4f(0.0), crossing, vec4f(in.depth) <= vec4f(before, bottoms.xyz));
+        before = bottoms.w;
+    }
+    return Slices(out[0], out[1], out[2], out[3]);
+}
+
 @fragment
 fn masked(in: Masked) -> Slices {
     var surface: Fragment;

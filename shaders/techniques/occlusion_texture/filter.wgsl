@@ -9,9 +9,12 @@
 // draw it: compute shaders that share loads between the texels of two or three levels are slower there.
 
 @group(0) @binding(0) var below: texture_2d_array<f32>;
-@group(0) @binding(1) var single_texels: sampler;
+// Takes single texels; for `adjacent_level`, blends the four around a place.
+@group(0) @binding(1) var texels: sampler;
 
 override GROUPS: u32 = 1u;
+// Texels of the level below for each texel along a side: 2 for `adjacent_level` where levels get smaller.
+override STRIDE: u32 = 1u;
 
 // Texels that one pass of a sum adds up.
 const RADIX: i32 = 8;               // mirror: techniques::occlusion_texture::gpu::textures::RADIX
@@ -30,7 +33,7 @@ struct Targets {
 
 // A texel, from its middle. It is sampled, since Mesa's software driver takes 1.2 to 1.7 times as long to load texels.
 fn sampled(middle: vec2f, group: i32) -> vec4f {
-    return textureSampleLevel(below, single_texels, middle, group, 0.0);
+    return textureSampleLevel(below, texels, middle, group, 0.0);
 }
 
 // A texel; 0 outside.
@@ -56,17 +59,41 @@ fn means(texel: vec2i, step: i32) -> Targets {
     return Targets(out[0], out[1], out[2], out[3]);
 }
 
+// The next level from means of four adjacent texels: the first of an N-buffer, or any of mipmaps. The sample between the texels
+// is their mean. It repeats texels at the border, where half of them is what the others lack.
+@fragment
+fn adjacent_level(in: Corner) -> Targets {
+    let between = (f32(STRIDE) * floor(in.position.xy) + 1.0) / vec2f(textureDimensions(below));
+    let inside = select(vec2f(0.5), vec2f(1.0), between < vec2f(1.0));
+    var out: array<vec4f, 4>;
+    for (var group = 0; group < i32(GROUPS); group++) {
+        out[group] = inside.x * inside.y * sampled(between, group);
+    }
+    return Targets(out[0], out[1], out[2], out[3]);
+}
+
 // The next level of an N-buffer, with as many texels. The instance is the side of the squares of the level below, texels.
 @fragment
 fn level(in: Corner) -> Targets {
     return means(vec2i(in.position.xy), i32(in.instance));
 }
 
-// The next level of an N-buffer or of mipmaps, with half as many texels along a side. The instance is the side of the squares of
+// The next level of an N-buffer, with half as many texels along a side. The instance is the side of the squares of
 // the level below, in texels of that level.
 @fragment
 fn halved_level(in: Corner) -> Targets {
     return means(2 * vec2i(in.position.xy), i32(in.instance));
+}
+
+// The depth of a slice's top where it lies inside of closed casters, from what their surfaces add; 0 elsewhere.
+@fragment
+fn fill(in: Corner) -> Targets {
+    var out: array<vec4f, 4>;
+    for (var group = 0; group < i32(GROUPS); group++) {
+        let crossings = load(vec2i(in.position.xy), group);
+        out[group] = select(vec4f(0.0), vec4f(2.0), abs(crossings) > vec4f(0.5));
+    }
+    return Targets(out[0], out[1], out[2], out[3]);
 }
 
 // 1 where a caster was drawn, whatever its depth.

@@ -163,6 +163,17 @@ impl LightSlices {
         self.faces.len() == 1 || !(z.y <= 0.0 || is_beside(x) || is_beside(y))
     }
 
+    /// Whether a closed caster fills slices of a picture: overlaps are measured, and the top of a slice may lie inside of the
+    /// caster. A ray may then enter and leave it through other slices.
+    pub fn fills(&self, face: &SliceFace, objects: &Objects, object: usize) -> bool {
+        let (center, half) = objects.boxes.center_half(object);
+        let z = face.axes[2];
+        let (middle, half) = (z.dot(center - face.origin), z.abs().dot(half));
+        let is_inside = |top: &f64| (top - middle).abs() < half;
+        let inner = &face.slices.bottoms[..face.slices.count - 1];
+        self.settings.measures() && (is_inside(&face.slices.top) || inner.iter().any(is_inside))
+    }
+
     /// Whether an object lies wholly before the centre of projection and the light, so that every ray from there enters it
     /// through a front.
     fn is_clear_of(&self, objects: &Objects, object: usize) -> bool {

@@ -62,20 +62,22 @@
 //! **N-buffers.** The paper keeps the mean over the square at every texel, for all sizes of squares. Here squares above level 3
 //! begin an eighth of their side apart, each level has a quarter as many values as the level below, and lookups interpolate. That
 //! takes 14 loads for each texel at most, where 1024² values in each of ten levels take 40. Summed areas take 64 loads of 16
-//! bytes. On a software driver summed areas take 4 to 5 times as long to build. `cargo test --all-features --test gpu
+//! bytes. On a software driver summed areas take 5.6 to 6.1 times as long to build for the
+//! paper's combinations, and 4 to 5 times for overlaps. `cargo test --all-features --test gpu
 //! occlusion_texture::cost::building -- --ignored --nocapture` prints both times. Levels that no kernel reaches are not built.
 //!
 //! **Closed casters.** Beyond the paper, its combinations draw casters whose mesh is closed with their fronts alone, as seen from
 //! the light. Front and back of a box would otherwise hide the same rays in two slices, and count twice. Measured overlaps know
-//! that they hide the same rays, and draw both sides. Fronts alone let through most of the light behind deep casters beside the
-//! light's axis: their steep sides are thin strips in each slice, which kernels pass beside. Backs do not fill the next slice for
-//! [`OcclusionTexture::close_leaks`], because nothing is behind them.
+//! that they hide the same rays, and draw both sides. They also fill the slices between front and back: one more drawing counts the
+//! surfaces of closed casters before the top of each slice, and where fronts and backs differ the top lies inside of a caster.
+//! Otherwise light would pass deep casters beside the light's axis, whose steep sides are thin strips in each slice, which kernels
+//! pass beside. Casters within one slice, and those that are not wholly before the light, are not filled. Backs do not fill the
+//! next slice for [`OcclusionTexture::close_leaks`], because nothing is behind them.
 //!
 //! **Limits.** A caster that cuts the light, or touches it, lies within a slice that begins at the light, and its shadow is rough.
-//! Light leaks through thin walls that stand within 30° of the light's axis, where a slice is much thicker than the wall:
-//! kernels pass beside the wall's strip in the slice. More slices and [`OcclusionTexture::close_leaks`] mend most of that. Light
-//! also leaks behind deep casters beside the axis whose rays enter and leave them by steep sides alone; `close_leaks` mends some
-//! of that. All casters that the light reaches share one picture, so lights without a range spend their texels and slices on all
+//! Light leaks through thin walls that stand within 30° of the light's axis and are not closed meshes, where a slice is much
+//! thicker than the wall: kernels pass beside the wall's strip in the slice. More slices and [`OcclusionTexture::close_leaks`] mend
+//! most of that. All casters that the light reaches share one picture, so lights without a range spend their texels and slices on all
 //! casters of the scene. If most casters are lost because of this, a report says so. A ground, and a convex shell around
 //! everything lit, such as a sky dome or a room in one mesh, are ignored, both as casters and when slices are sized. Casters
 //! that are a hundred times as far from a rectangle or sphere as most others are ignored when slices are sized, and may cast
@@ -91,7 +93,7 @@
 //! | boxes over each other | 0.031 | 0.036 | 0.061 | 0.044 | 0.037 | 0.111 |
 //! | a tree of 160 leaves | 0.170 | 0.172 | 0.228 | 0.204 | 0.172 | 0.214 |
 //! | two slanted wings | 0.019 | 0.092 | 0.196 | 0.018 | 0.017 | 0.056 |
-//! | balls over hills | 0.016 | 0.027 | 0.033 | 0.022 | 0.017 | 0.049 |
+//! | balls over hills | 0.014 | 0.027 | 0.033 | 0.022 | 0.014 | 0.049 |
 //!
 //! The sum is the best of the paper's combinations where one surface passes through the slices, the product where many objects
 //! overlap, and the maximum nowhere. Measured overlaps are as good as the best of them everywhere. Summed areas take 0.008 off

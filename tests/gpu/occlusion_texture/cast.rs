@@ -30,6 +30,7 @@ pub fn cast_pictures(
             place(ndc, slices.top),
             place(ndc, slices.bottoms[slices.count - 1]),
         );
+        let mut crossings = vec![0; slices.count];
         for triangle in scene.triangles() {
             let [a, b, c] = triangle.corners;
             let (u, v, along) = (b - a, c - a, to - from);
@@ -66,6 +67,14 @@ pub fn cast_pictures(
                     };
                     picture.texels[index] = picture.texels[index].max(value);
                 }
+                if triangle_is_closed(triangle) && depth <= top_of(slice as i32) {
+                    crossings[slice] += if is_back { -1 } else { 1 };
+                }
+            }
+        }
+        if settings.combine == SliceCombination::Overlap {
+            for (picture, _) in pictures.iter_mut().zip(&crossings).filter(|(_, sum)| **sum != 0) {
+                picture.texels[index] = 2.0;
             }
         }
     }

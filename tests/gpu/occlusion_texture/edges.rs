@@ -125,7 +125,8 @@ fn each_of_six_pictures_draws_the_casters_that_it_shows() {
     let casters = slices.casters.count_ones(..);
     println!("{casters} casters, {shown} shown and {drawn} drawn in all pictures, by {draws} draws");
     assert!(
-        drawn < 4 * casters && drawn >= casters && draws <= drawn,
+        // Closed casters are drawn twice where they fill slices.
+        drawn < 4 * casters && drawn >= casters && draws <= 2 * drawn,
         "{drawn}, {draws}"
     );
 }

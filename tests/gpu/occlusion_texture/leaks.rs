@@ -94,10 +94,9 @@ fn thin_walls_between_rooms_hold_most_of_the_light() {
     );
 }
 
-/// A cupboard beside a window and far from its axis. In the window's slices, its steep side is strips that are thinner than the
-/// kernels. Its back, which the paper's combinations leave out, hides what passes beside them.
-#[test]
-fn a_cupboard_beside_a_window_holds_the_light() {
+/// Umbra pixels of a cupboard in a room that are lit, by the product and by the overlap, and all of them. The cupboard is given
+/// by its middle and half of its sides.
+fn lit_umbra_of_a_cupboard(light: LightKind, place: Transform, cupboard: [Vec3; 2]) -> ([usize; 2], usize) {
     let context = strict_context();
     let mut stage = empty(&context, Vec3::ZERO);
     let view = Transform::from_xyz(2.2, 1.9, 2.2).looking_at(Vec3::new(-0.6, 0.6, -0.8), Vec3::Y);
@@ -107,20 +106,46 @@ fn a_cupboard_beside_a_window_holds_the_light() {
         .with_rotation(Quat::from_rotation_x(FRAC_PI_2))
         .with_scale(Vec3::new(2.0, 1.0, 1.0));
     spawn(&mut stage, MeshData::plane(1.25), wall);
-    let cupboard = MeshData::cuboid(Vec3::new(0.3, 0.9, 0.5));
-    spawn(&mut stage, cupboard, Transform::from_xyz(1.9, 0.9, -1.5));
-    let window = Light {
-        kind: LightKind::Rect {
-            width: 1.2,
-            height: 1.0,
-        },
+    let [middle, half] = cupboard;
+    spawn(
+        &mut stage,
+        MeshData::cuboid(half),
+        Transform::from_translation(middle),
+    );
+    let light = Light {
+        kind: light,
         ..Light::point(Vec3::ONE, 30.0, f32::INFINITY)
     };
-    let place = Transform::from_xyz(2.49, 1.3, 0.0).looking_to(Vec3::NEG_X, Vec3::Y);
-    stage.spawn_light(window, place, Some(OcclusionTexture::default()));
+    stage.spawn_light(light, place, Some(OcclusionTexture::default()));
     let (product, all) = leaks(&mut stage, SliceCombination::Product, 0);
     let (overlap, _) = leaks(&mut stage, SliceCombination::Overlap, 0);
     println!("of {all} umbra pixels, {product} are lit by the product, {overlap} by the overlap");
+    ([product, overlap], all)
+}
+
+/// A cupboard beside a window and far from its axis. In the window's slices, its steep side is strips that are thinner than the
+/// kernels. Its back, which the paper's combinations leave out, hides what passes beside them.
+#[test]
+fn a_cupboard_beside_a_window_holds_the_light() {
+    let window = LightKind::Rect {
+        width: 1.2,
+        height: 1.0,
+    };
+    let place = Transform::from_xyz(2.49, 1.3, 0.0).looking_to(Vec3::NEG_X, Vec3::Y);
+    let cupboard = [Vec3::new(1.9, 0.9, -1.5), Vec3::new(0.3, 0.9, 0.5)];
+    let ([product, overlap], all) = lit_umbra_of_a_cupboard(window, place, cupboard);
+    assert!(all > 50 && 2 * product > all, "{product} of {all}");
+    assert!(20 * overlap < all, "{overlap} of {all}");
+}
+
+/// A cupboard beside a ceiling lamp. Rays enter it by one steep side and leave it by another, both of which are strips in the
+/// lamp's slices. The slices between are filled.
+#[test]
+fn a_cupboard_beside_a_ceiling_lamp_holds_the_light() {
+    let lamp = square(0.6);
+    let place = Transform::from_xyz(-0.7, 2.4, -0.1).looking_to(Vec3::NEG_Y, Vec3::Z);
+    let cupboard = [Vec3::new(0.5, 1.1, 0.0), Vec3::new(0.2, 1.1, 0.4)];
+    let ([product, overlap], all) = lit_umbra_of_a_cupboard(lamp, place, cupboard);
     assert!(all > 50 && 2 * product > all, "{product} of {all}");
     assert!(20 * overlap < all, "{overlap} of {all}");
 }

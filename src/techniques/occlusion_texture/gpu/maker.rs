@@ -1,7 +1,7 @@
 //! Makes the textures of a light, and the passes that fill them.
 
 use super::pipelines::{PICTURE_FORMAT, SUM_FORMAT, SliceLayouts, SliceSet};
-use super::textures::{SliceTextures, Step, StepKind, TexturesKey};
+use super::textures::{Crossings, SliceTextures, Step, StepKind, TexturesKey};
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::techniques::maps::gpu::recorded::FaceRecord;
@@ -81,24 +81,36 @@ impl Maker<'_> {
             .collect()
     }
 
-    fn below(&self, texture: &wgpu::Texture, first: u32, count: u32, mip: u32) -> wgpu::BindGroup {
+    /// The bind group of a pass that reads layers of a mip.
+    fn below(
+        &self,
+        kind: StepKind,
+        texture: &wgpu::Texture,
+        [first, count]: [u32; 2],
+        mip: u32,
+    ) -> wgpu::BindGroup {
         let view = self.view(texture, first, Some(count), mip);
+        let (layout, sampler) = if kind.blends() {
+            (&self.layouts.below_blended, &self.layouts.blended_texels)
+        } else {
+            (&self.layouts.below, &self.layouts.single_texels)
+        };
         let resources = [
             wgpu::BindingResource::TextureView(&view),
-            wgpu::BindingResource::Sampler(&self.layouts.single_texels),
+            wgpu::BindingResource::Sampler(sampler),
         ];
-        bind_in_order(
-            &self.context.device,
-            "slice level below",
-            &self.layouts.below,
-            resources,
-        )
+        bind_in_order(&self.context.device, "slice level below", layout, resources)
     }
 
     fn first_level(&self, texture: &wgpu::Texture, first: u32) -> FirstLevel {
         FirstLevel {
             layers: self.layers(texture, first, 0),
-            below: self.below(texture, first, self.key.groups, 0),
+            below: self.below(
+                StepKind::Split(SliceSet::Coverage),
+                texture,
+                [first, self.key.groups],
+                0,
+            ),
         }
     }
 
@@ -164,8 +176,14 @@ impl Maker<'_> {
         };
         let coverage = filtered();
         let (drawn, steps, sets);
+        let mut crossings = Vec::new();
         if is_split {
             let [unions, depths] = [filtered(), filtered()];
+            let counted = |first: &FirstLevel| Crossings {
+                layers: first.layers.clone(),
+                below: first.below.clone(),
+            };
+            crossings.extend(coverage.first.iter().map(counted));
             let mut all = self.split(&depths.first, SliceSet::Coverage, coverage.first);
             all.extend(self.split(&depths.first, SliceSet::Unions, unions.first));
             all.extend([coverage.steps, unions.steps, depths.steps].into_iter().flatten());
@@ -178,6 +196,7 @@ impl Maker<'_> {
         SliceTextures {
             key: self.key,
             drawn: drawn.into_iter().map(|first| first.layers).collect(),
+            crossings,
             steps,
             group: self.lookup(sets),
             record: FaceRecord::default(),
@@ -219,9 +238,14 @@ impl Maker<'_> {
         for face in 0..faces {
             firsts.push(self.first_level(&dense, first(face, 0)));
             for level in 1..dense_levels {
+                let kind = if level == 1 {
+                    StepKind::FIRST
+                } else {
+                    StepKind::DENSE
+                };
                 steps.push(Step {
-                    kind: StepKind::Level,
-                    below: self.below(&dense, first(face, level - 1), groups, 0),
+                    kind,
+                    below: self.below(kind, &dense, [first(face, level - 1), groups], 0),
                     targets: self.layers(&dense, first(face, level), 0),
                     instance: 1 << (level - 1),
                     level,
@@ -229,11 +253,11 @@ impl Maker<'_> {
             }
             for mip in 0..sparse_levels {
                 let below = match mip.checked_sub(1) {
-                    Some(mip) => self.below(&sparse, face * groups, groups, mip),
-                    None => self.below(&dense, first(face, DENSE_LEVEL), groups, 0),
+                    Some(mip) => self.below(StepKind::SPARSE, &sparse, [face * groups, groups], mip),
+                    None => self.below(StepKind::SPARSE, &dense, [first(face, DENSE_LEVEL), groups], 0),
                 };
                 steps.push(Step {
-                    kind: StepKind::HalvedLevel,
+                    kind: StepKind::SPARSE,
                     below,
                     targets: self.layers(&sparse, face * groups, mip),
                     instance: 1 << DENSE_LEVEL,
@@ -259,10 +283,10 @@ impl Maker<'_> {
             firsts.push(self.first_level(&texture, face * groups));
             for level in 1..levels {
                 steps.push(Step {
-                    kind: StepKind::HalvedLevel,
-                    below: self.below(&texture, face * groups, groups, level - 1),
+                    kind: StepKind::MIPMAP,
+                    below: self.below(StepKind::MIPMAP, &texture, [face * groups, groups], level - 1),
                     targets: self.layers(&texture, face * groups, level),
-                    instance: 1,
+                    instance: 0,
                     level: 0,
                 });
             }
@@ -288,7 +312,7 @@ impl Maker<'_> {
         let mut turn = 0;
         for is_down in [0, 1] {
             for distance in self.key.sum_distances() {
-                let below = self.below(from, 0, layers, 0);
+                let below = self.below(StepKind::Sum, from, [0, layers], 0);
                 for layer in 0..layers {
                     steps.push(Step {
                         kind: StepKind::Sum,

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::pipelines::Key;
 use super::recorder::{LightPlan, SetPlan, SliceNode};
-use super::textures::{SliceTextures, Step};
+use super::textures::{Crossings, SliceTextures, Step};
 use crate::render::gpu::strided::Strided;
 use crate::render::recorder::{PictureInput, ResolveInput};
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
@@ -47,6 +47,13 @@ impl SliceNode {
     ) {
         for (slot, layers) in plan.faces.clone().zip(&textures.drawn) {
             self.draw_face(slot, plan, layers, encoder, input);
+        }
+        for (face, slot) in plan.faces.clone().enumerate() {
+            if !self.faces[slot].filled.is_empty()
+                && let Some(crossings) = textures.crossings.get(face)
+            {
+                self.fill_face(slot, plan, crossings, &textures.drawn[face], encoder, input);
+            }
         }
         for step in textures.steps.iter().filter(|step| step.level < plan.levels) {
             if let Some(pipeline) = self.pipelines.get(plan.key.step(step.kind)) {
@@ -93,6 +100,50 @@ impl SliceNode {
                 input.materials,
             );
         }
+    }
+
+    /// Fills the slices of one picture inside of closed casters, whose surfaces are counted first.
+    fn fill_face(
+        &self,
+        slot: usize,
+        plan: &LightPlan,
+        crossings: &Crossings,
+        layers: &[wgpu::TextureView],
+        encoder: &mut wgpu::CommandEncoder,
+        input: &PictureInput,
+    ) {
+        let groups = plan.key.groups;
+        let (Some(count), Some(fill)) = (
+            self.pipelines.get(Key::Crossings { groups }),
+            self.pipelines.get(Key::Fill { groups }),
+        ) else {
+            return;
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("slice crossings"),
+            color_attachments: &attachments(&crossings.layers, EMPTY),
+            timestamp_writes: input.timings.pass_of(input.label(plan.light), "slices"),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.caster_group, &[]);
+        pass.set_bind_group(1, &self.face_group, &[Strided::<OcclusionFace>::offset(slot)]);
+        self.draws.record(
+            self.faces[slot].filled.clone(),
+            &mut pass,
+            |masked| (!masked).then_some(count),
+            input.meshes,
+            input.materials,
+        );
+        drop(pass);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("slice fill"),
+            color_attachments: &attachments(layers, wgpu::LoadOp::Load),
+            timestamp_writes: input.timings.pass_of(input.label(plan.light), "slices"),
+            ..Default::default()
+        });
+        pass.set_pipeline(fill);
+        pass.set_bind_group(0, &crossings.below, &[]);
+        pass.draw(0..3, 0..1);
     }
 
     /// Records the lookup, for every pixel of the scissor. `pictures` is group 3.

@@ -43,6 +43,16 @@ pub enum Key {
         /// Number of colour targets.
         groups: u32,
     },
+    /// Counts the surfaces of closed casters between the light and the top of each slice, fronts less backs.
+    Crossings {
+        /// Number of colour targets.
+        groups: u32,
+    },
+    /// Fills slices whose top lies inside of closed casters.
+    Fill {
+        /// Number of colour targets.
+        groups: u32,
+    },
     /// Makes one of the sets of pictures that are made from depths of casters.
     Split {
         /// The set that is made.
@@ -52,6 +62,8 @@ pub enum Key {
     },
     /// Makes the next level of N-buffers or mipmaps.
     Level {
+        /// True if the means are those of four adjacent texels.
+        is_adjacent: bool,
         /// True if the level has half as many texels along a side as the level below.
         halves: bool,
         /// Number of colour targets.
@@ -90,8 +102,12 @@ pub struct SliceLayouts {
     pub face: wgpu::BindGroupLayout,
     /// The layout of group 0 of filters: the level below, and a sampler that takes single texels.
     pub below: wgpu::BindGroupLayout,
-    /// The sampler of filters.
+    /// The sampler of filters that takes single texels.
     pub single_texels: wgpu::Sampler,
+    /// The layout of group 0 of filters: the level below, and a sampler that blends texels.
+    pub below_blended: wgpu::BindGroupLayout,
+    /// The sampler of filters that blends texels.
+    pub blended_texels: wgpu::Sampler,
     /// The layout of group 2 of the lookup: the light at a dynamic offset.
     pub light: wgpu::BindGroupLayout,
     /// The layout of group 3 of the lookup in pictures that hardware filters.
@@ -138,6 +154,13 @@ impl SliceLayouts {
             below: layout("slice level below", &[texture(0, false), sampler(NonFiltering)]),
             single_texels: device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("single texels of slices"),
+                ..Default::default()
+            }),
+            below_blended: layout("slice level below", &[texture(0, true), sampler(Filtering)]),
+            blended_texels: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("blended texels of slices"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
                 ..Default::default()
             }),
             light: layout("slice light", &[uniform(size_of::<OcclusionLight>())]),
@@ -191,6 +214,18 @@ const MAXIMUM: wgpu::BlendState = {
     }
 };
 
+/// Adds what is drawn.
+const SUM: wgpu::BlendState = {
+    let component = wgpu::BlendComponent {
+        operation: wgpu::BlendOperation::Add,
+        ..MAXIMUM.color
+    };
+    wgpu::BlendState {
+        color: component,
+        alpha: component,
+    }
+};
+
 /// Adds the targets of several groups of slices.
 fn with_targets(desc: PipelineDesc, groups: u32, blend: Option<wgpu::BlendState>) -> PipelineDesc {
     (0..groups).fold(desc, |desc, _| {
@@ -199,12 +234,18 @@ fn with_targets(desc: PipelineDesc, groups: u32, blend: Option<wgpu::BlendState>
 }
 
 /// Describes a pass from layers of pictures to as many others.
-fn step(layouts: &SliceLayouts, label: &'static str, entry: &'static str, groups: u32) -> PipelineDesc {
+fn step(
+    layouts: &SliceLayouts,
+    label: &'static str,
+    entry: &'static str,
+    groups: u32,
+    blend: Option<wgpu::BlendState>,
+) -> PipelineDesc {
     let fragment = Some(Stage::new(FILTER, entry));
     let desc = PipelineDesc::new(label, EVERYWHERE_WITH_INSTANCE, fragment)
         .with_groups([Some(&layouts.below)])
         .with_constants([("GROUPS", f64::from(groups))]);
-    with_targets(desc, groups, None)
+    with_targets(desc, groups, blend)
 }
 
 /// Describes the pipeline of a key.
@@ -242,16 +283,36 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             };
             with_targets(desc, groups, Some(MAXIMUM))
         }
+        Key::Crossings { groups } => {
+            let fragment = Some(Stage::new(CASTER, "crossings"));
+            let desc = PipelineDesc {
+                buffers: SOLID_BUFFERS,
+                ..PipelineDesc::new("slice crossings", Stage::new(CASTER, "solid_vertex"), fragment)
+                    .with_groups([Some(&layouts.casters), Some(&layouts.face)])
+            };
+            with_targets(desc, groups, Some(SUM))
+        }
+        Key::Fill { groups } => step(layouts, "slice fill", "fill", groups, Some(MAXIMUM)),
         Key::Split { set, groups } => {
             let entry = match set {
                 SliceSet::Coverage => "cover",
                 SliceSet::Unions => "unite",
             };
-            step(layouts, "slice split", entry, groups)
+            step(layouts, "slice split", entry, groups, None)
         }
-        Key::Level { halves, groups } => {
+        Key::Level {
+            is_adjacent: true,
+            halves,
+            groups,
+        } => step(layouts, "slice filter", "adjacent_level", groups, None)
+            .with_groups([Some(&layouts.below_blended)])
+            .with_constants([
+                ("GROUPS", f64::from(groups)),
+                ("STRIDE", if halves { 2.0 } else { 1.0 }),
+            ]),
+        Key::Level { halves, groups, .. } => {
             let entry = if halves { "halved_level" } else { "level" };
-            step(layouts, "slice filter", entry, groups)
+            step(layouts, "slice filter", entry, groups, None)
         }
         Key::Sum => PipelineDesc::new(
             "slice sums",

@@ -36,6 +36,8 @@ use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLigh
 #[derive(Debug)]
 pub(super) struct FacePlan {
     pub draws: [SetPlan; 5],
+    /// The draws of closed casters that pass through several slices, which fill the slices between their fronts and backs.
+    pub filled: Range<usize>,
 }
 
 /// Draws that share their pipelines.
@@ -171,7 +173,15 @@ impl SliceNode {
                     self.require(input.gpu, key)?;
                 }
             }
-            self.faces.push(FacePlan { draws: plan });
+            let own =
+                |object: &usize| slices.fills(face, objects, *object) && slices.shows(face, objects, *object);
+            let set = slices.solid.ones().filter(own).collect();
+            let filled = self.draws.push(world, input, objects, &drawn, &set);
+            if !filled.is_empty() {
+                self.require(input.gpu, Key::Crossings { groups })?;
+                self.require(input.gpu, Key::Fill { groups })?;
+            }
+            self.faces.push(FacePlan { draws: plan, filled });
             self.face_records.constants.push(&face.record(face.origin));
         }
         let key = TexturesKey::new(slices);
@@ -306,8 +316,11 @@ impl Recorder for SliceNode {
     fn batch_count(&self, light: usize) -> usize {
         let plan = self.plan_of(light);
         let faces = plan.map_or(&[][..], |(_, plan)| &self.faces[plan.faces.clone()]);
-        let sets = faces.iter().flat_map(|face| &face.draws);
-        sets.map(|set| set.draws.len()).sum()
+        let draws = |face: &FacePlan| {
+            let sets = face.draws.iter().map(|set| set.draws.len());
+            sets.sum::<usize>() + face.filled.len()
+        };
+        faces.iter().map(draws).sum()
     }
 }
 

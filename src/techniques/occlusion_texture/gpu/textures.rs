@@ -45,8 +45,8 @@ impl TexturesKey {
         let is_split = self.is_split;
         let splits = [SliceSet::Coverage, SliceSet::Unions].map(StepKind::Split);
         let filters: &[StepKind] = match self.filter {
-            SliceFilter::NBuffers => &[StepKind::Level, StepKind::HalvedLevel],
-            SliceFilter::Mipmaps => &[StepKind::HalvedLevel],
+            SliceFilter::NBuffers => &[StepKind::FIRST, StepKind::DENSE, StepKind::SPARSE],
+            SliceFilter::Mipmaps => &[StepKind::MIPMAP],
             SliceFilter::SummedAreas => &[StepKind::Sum],
         };
         let splits = splits.into_iter().filter(move |_| is_split);
@@ -58,11 +58,11 @@ impl TexturesKey {
         let groups = self.groups;
         match kind {
             StepKind::Split(set) => Key::Split { set, groups },
-            StepKind::Level => Key::Level {
-                halves: false,
+            StepKind::Level { is_adjacent, halves } => Key::Level {
+                is_adjacent,
+                halves,
                 groups,
             },
-            StepKind::HalvedLevel => Key::Level { halves: true, groups },
             StepKind::Sum => Key::Sum,
         }
     }
@@ -79,12 +79,49 @@ impl TexturesKey {
 pub enum StepKind {
     /// A set of pictures, from the depths that were drawn.
     Split(SliceSet),
-    /// The next level of N-buffers, with as many texels as the level below.
-    Level,
-    /// The next level of N-buffers or mipmaps, with half as many texels along a side as the level below.
-    HalvedLevel,
+    /// The next level of N-buffers or mipmaps.
+    Level {
+        /// Whether its means are those of four adjacent texels of the level below.
+        is_adjacent: bool,
+        /// Whether it has half as many texels along a side as the level below.
+        halves: bool,
+    },
     /// One step of sums.
     Sum,
+}
+
+impl StepKind {
+    /// The first level of N-buffers.
+    pub const FIRST: Self = Self::Level {
+        is_adjacent: true,
+        halves: false,
+    };
+    /// The other dense levels of N-buffers.
+    pub const DENSE: Self = Self::Level {
+        is_adjacent: false,
+        halves: false,
+    };
+    /// The sparse levels of N-buffers.
+    pub const SPARSE: Self = Self::Level {
+        is_adjacent: false,
+        halves: true,
+    };
+    /// A level of mipmaps.
+    pub const MIPMAP: Self = Self::Level {
+        is_adjacent: true,
+        halves: true,
+    };
+
+    /// Whether the level below is blended.
+    pub fn blends(self) -> bool {
+        matches!(
+            self,
+            Self::Level {
+                is_adjacent: true,
+                ..
+            }
+        )
+    }
 }
 
 /// One pass between pictures: from a view of layers to views of single layers.
@@ -102,6 +139,15 @@ pub struct Step {
     pub level: u32,
 }
 
+/// Where the surfaces of a picture's closed casters are counted: layers that a later pass overwrites.
+#[derive(Debug)]
+pub struct Crossings {
+    /// The layers, to be written.
+    pub layers: Vec<wgpu::TextureView>,
+    /// The layers, to be read.
+    pub below: wgpu::BindGroup,
+}
+
 /// The pictures of one light.
 #[derive(Debug)]
 pub struct SliceTextures {
@@ -109,6 +155,8 @@ pub struct SliceTextures {
     pub key: TexturesKey,
     /// The layers into which each picture is drawn.
     pub drawn: Vec<Vec<wgpu::TextureView>>,
+    /// Where surfaces are counted in each picture; empty unless depths are drawn.
+    pub crossings: Vec<Crossings>,
     /// The passes between the drawing and the lookup, in their order.
     pub steps: Vec<Step>,
     /// The bind group 3 of the lookup.
