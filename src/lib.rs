@@ -30,7 +30,7 @@
 //! | folder | holds |
 //! | --- | --- |
 //! | [`conventions`] | handedness, depth, units, and the constants that shaders share |
-//! | [`geometry`] | mathematics on `glam`: bounds, planes, frustum, light hull, edge meshes; no ECS |
+//! | [`geometry`] | mathematics on `glam` and `wide`: bounds, planes, frustum, light hull, edge meshes; no ECS |
 //! | [`reports`] | messages about refused, skipped or limited things, each with its entity and a remedy |
 //! | [`scene`] | components that a user spawns, those of the light model among them; glTF import, poses, animation |
 //! | [`sets`] | the sets of seen, lit and casting objects: F, V, L, I, S, scissors, depth bounds |

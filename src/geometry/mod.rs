@@ -1,4 +1,4 @@
-//! Mathematics on `glam` alone, without ECS or GPU.
+//! Mathematics on `glam` and `wide`, without ECS or GPU.
 
 pub(crate) mod aabb;
 pub(crate) mod box_shadow;
@@ -17,7 +17,7 @@ pub(crate) mod triangle;
 pub(crate) mod triangle_grid;
 
 pub use aabb::Aabb;
-pub use box_shadow::BoxShadow;
+pub use box_shadow::BoxReceivers;
 pub use cone::Cone;
 pub use convex_solid::SolidEdge;
 pub use enclosure::winding_number;

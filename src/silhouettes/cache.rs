@@ -79,6 +79,7 @@ pub fn build_silhouettes(
             }
             let entity = objects.entities[object];
             let Ok(caster) = casters.get(entity) else {
+                entry.forget(object); // its mesh was exchanged for one without edges
                 continue;
             };
             let bounds = objects.boxes.get(object);
@@ -103,6 +104,10 @@ pub fn build_silhouettes(
         }
         count_stacked(entry, light, &objects, *extracted > before, &mut scratch.boxes);
         entry.forget_unused(*frame, &objects);
+        if std::mem::take(&mut entry.is_changed) || *extracted > before {
+            *last_revision += 1;
+            entry.revision = *last_revision;
+        }
     }
     // Lights that are gone, and those whose technique needs none any more, take their silhouettes with them.
     kept.retain(|entry| {

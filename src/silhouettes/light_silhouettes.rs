@@ -7,6 +7,7 @@ use fixedbitset::FixedBitSet;
 use glam::Vec4;
 
 use super::casters::CasterMesh;
+use super::object_slots::ObjectSlots;
 use super::{CapMode, Contour, FacingBits};
 use crate::geometry::Aabb;
 use crate::sets::Objects;
@@ -14,9 +15,6 @@ use crate::sets::Objects;
 /// Number of frames that a silhouette, and everything that a technique derives from it, is kept after its last use.
 /// A light that flickers in and out of view does not pay each time, and memory follows the view. Chosen by eye.
 pub const KEPT_FRAMES: u64 = 120;
-
-/// Marks an object without a silhouette.
-const NONE: u32 = u32::MAX;
 
 /// The silhouette of one caster in one light.
 #[derive(Debug)]
@@ -60,9 +58,14 @@ pub struct LightSilhouettes {
     /// Largest sum of [`Silhouette::stacked`] over casters that lie one behind the other: the range of counts that a
     /// technique needs. It is an estimate from bounding boxes, so it does not know of folds within a piece.
     pub stacked: u32,
+    /// Changes when a silhouette of the light is extracted or forgotten, and is unique among all lights and frames. So whoever
+    /// copied the light's silhouettes need not look at each of them to find that the copies are up to date.
+    pub revision: u64,
+    /// Whether a silhouette was extracted or forgotten since `revision` changed.
+    pub(super) is_changed: bool,
     /// Set S and the layout of its indices for which `stacked` was computed.
     pub(super) stacked_of: (FixedBitSet, u64),
-    slot_of: Vec<u32>,
+    slot_of: ObjectSlots,
     free: Vec<u32>,
     layout_generation: u64,
 }
@@ -108,8 +111,10 @@ impl LightSilhouettes {
             light,
             slots: Vec::new(),
             stacked: 0,
+            revision: 0,
+            is_changed: false,
             stacked_of: Default::default(),
-            slot_of: Vec::new(),
+            slot_of: ObjectSlots::default(),
             free: Vec::new(),
             layout_generation: 0,
         }
@@ -117,25 +122,25 @@ impl LightSilhouettes {
 
     /// Returns slot and silhouette of the object with this dense index, if it has a silhouette in this light.
     pub fn of_object(&self, object: usize) -> Option<(usize, &Silhouette)> {
-        let slot = *self.slot_of.get(object).filter(|slot| **slot != NONE)? as usize;
+        let slot = self.slot_of.get(object)?;
         Some((slot, &self.slots[slot]))
     }
 
-    /// Rebuilds the map from dense indices to slots when objects came or went.
+    /// Rebuilds the map from dense indices to slots when objects came or went. Cost then: O(objects / 64), and the silhouettes.
     pub(super) fn remap(&mut self, objects: &Objects) {
         if self.layout_generation == objects.layout_generation && self.slot_of.len() == objects.len() {
             return;
         }
         self.layout_generation = objects.layout_generation;
-        self.slot_of.clear();
-        self.slot_of.resize(objects.len(), NONE);
+        self.slot_of.reset(objects.len());
         for (slot, silhouette) in self.slots.iter_mut().enumerate() {
             if silhouette.revision == 0 {
                 continue;
             }
             match objects.index_of(silhouette.entity) {
-                Some(object) => self.slot_of[object] = slot as u32,
+                Some(object) => self.slot_of.set(object, slot),
                 None => {
+                    self.is_changed = true;
                     silhouette.clear();
                     self.free.push(slot as u32);
                 }
@@ -144,8 +149,8 @@ impl LightSilhouettes {
     }
 
     pub(super) fn slot_for(&mut self, object: usize, entity: Entity) -> usize {
-        if self.slot_of[object] != NONE {
-            return self.slot_of[object] as usize;
+        if let Some(slot) = self.slot_of.get(object) {
+            return slot;
         }
         let slot = self.free.pop().map_or(self.slots.len(), |slot| slot as usize);
         if slot == self.slots.len() {
@@ -163,25 +168,26 @@ impl LightSilhouettes {
         }
         self.slots[slot].entity = entity;
         self.slots[slot].source = None;
-        self.slot_of[object] = slot as u32;
+        self.slot_of.set(object, slot);
         slot
     }
 
     pub(super) fn forget(&mut self, object: usize) {
-        let slot = std::mem::replace(&mut self.slot_of[object], NONE);
-        if slot != NONE {
-            self.slots[slot as usize].clear();
-            self.free.push(slot);
+        if let Some(slot) = self.slot_of.take(object) {
+            self.is_changed |= self.slots[slot].revision != 0;
+            self.slots[slot].clear();
+            self.free.push(slot as u32);
         }
     }
 
     pub(super) fn forget_unused(&mut self, frame: u64, objects: &Objects) {
         for (slot, silhouette) in self.slots.iter_mut().enumerate() {
             if silhouette.revision != 0 && silhouette.last_used + KEPT_FRAMES < frame {
+                self.is_changed = true;
                 silhouette.clear();
                 self.free.push(slot as u32);
                 if let Some(object) = objects.index_of(silhouette.entity) {
-                    self.slot_of[object] = NONE;
+                    self.slot_of.take(object);
                 }
             }
         }

@@ -25,6 +25,7 @@
 //! | `casters` | edge meshes of casters, planes of posed casters |
 //! | `coincident` | casters with the same triangles in the same place |
 //! | `light_silhouettes` | silhouettes by light and caster, in slots |
+//! | `object_slots` | which objects have a slot |
 //! | `cache` | the extraction of those that are not known yet or are stale |
 
 pub(crate) mod buried;
@@ -40,6 +41,7 @@ mod flush;
 pub(crate) mod grazed;
 pub(crate) mod light_silhouettes;
 mod loops;
+mod object_slots;
 mod planes;
 pub(crate) mod report;
 pub(crate) mod stacks;

@@ -4,6 +4,7 @@ mod commands;
 mod import_circles;
 mod inverted_hulls;
 mod invisible;
+mod kept_volumes;
 mod layers;
 mod light_hull;
 #[cfg(feature = "reference")]

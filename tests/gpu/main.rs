@@ -10,6 +10,7 @@ mod cpu_gpu_parity;
 mod faults;
 mod harness;
 mod hosted;
+mod kept_draws;
 mod layout_contract;
 mod left_out_submeshes;
 mod light_model;

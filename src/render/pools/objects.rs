@@ -47,6 +47,8 @@ pub struct ObjectTable {
     pub handedness: Vec<f32>,
     /// The objects with [`SurfaceWeights`].
     pub weighted: FixedBitSet,
+    /// Increases when meshes and materials were looked up again, so that any index may differ.
+    pub generation: u64,
     constants: Vec<gpu_types::Object>,
 }
 
@@ -89,6 +91,7 @@ impl ObjectTable {
         meshes: &mut MeshPool,
         materials: &mut MaterialPool,
     ) {
+        self.generation += 1;
         self.mesh.clear();
         self.item_range.clear();
         self.items.clear();

@@ -40,6 +40,8 @@ struct Seen {
 pub struct CameraOcclusion {
     /// The camera's depth buffer, from the last frame in which the view or the occluders changed.
     pub viewpoint: Viewpoint,
+    /// Increases when `viewpoint` is drawn again.
+    pub generation: u64,
     sightings: Sightings,
     rasterizer: Rasterizer,
 }
@@ -92,6 +94,7 @@ pub fn collect_visible_set(
             }
         }
         draw(occlusion, &visible.set, &objects, &occluders, &settings, &view);
+        occlusion.generation += 1;
         let mut changed = false;
         if occlusion.viewpoint.buffers().is_empty() {
             parts.forget();

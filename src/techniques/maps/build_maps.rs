@@ -99,9 +99,12 @@ impl Maps {
             if map.settled_at.is_some() {
                 map.waited = 0;
             }
-            let changed = fill_casters(&mut map.casters, scene.objects, light, map.cached);
             let unmoved = map.settled_at.is_some_and(|at| at >= self.movers.changed_at);
-            if map.cached && unmoved && !changed && !light.moved {
+            let at_rest = map.cached && unmoved && !light.moved;
+            // The light's sets are those of the last frame, so its casters need not be listed again.
+            let same_sets = at_rest && map.settled_at == Some(now - 1) && !light.is_recomputed();
+            let changed = !same_sets && fill_casters(&mut map.casters, scene.objects, light, map.cached);
+            if at_rest && !changed {
                 let key = map.face_key(light, scene, map.reach);
                 if map.key == Some(key) {
                     map.settled_at = Some(now);
@@ -253,7 +256,8 @@ impl Maps {
 ///
 /// Set: `BuildTechniques`, in [`TextureMemorySystems::Build`](crate::techniques::TextureMemorySystems::Build). Reads
 /// [`FrameLights`], [`Objects`], [`View`] and [`TextureMemory`]; writes [`Maps`]. Cost: O(lights) comparisons if nothing
-/// changed; O(casters × faces) for a light whose casters changed.
+/// changed; the words of set L for a light with a kept map whose sets were computed again; O(casters × faces) for a light whose
+/// casters changed, and for one without a kept map.
 pub fn build_maps(
     mut maps: ResMut<Maps>,
     memory: Res<TextureMemory>,

@@ -37,7 +37,7 @@ pub struct OcclusionTextures {
 }
 
 impl OcclusionTextures {
-    /// Returns the pictures of a light of [`FrameLights`], if they are looked up in this frame.
+    /// Returns the pictures of a light of [`FrameLights`], if they are looked up in this frame. A light without casters has none.
     pub fn of_light(&self, light: usize) -> Option<&LightSlices> {
         let at = self
             .lights
@@ -110,13 +110,16 @@ pub fn ask_for_slices(
             textures.revision += 1;
             slices.revision = textures.revision;
         }
-        let want = TextureWant {
-            bytes_per_square: slices.bytes_per_square(),
-            resolution: settings.resolution,
-            least: LEAST.min(settings.resolution),
-            storage: Storage::OwnElseNothing,
-        };
-        memory.ask(index, OcclusionTexture::NAME, want);
+        // Without casters all pictures would be empty: nothing is drawn or looked up, and no memory is needed.
+        if !slices.casters.is_clear() {
+            let want = TextureWant {
+                bytes_per_square: slices.bytes_per_square(),
+                resolution: settings.resolution,
+                least: LEAST.min(settings.resolution),
+                storage: Storage::OwnElseNothing,
+            };
+            memory.ask(index, OcclusionTexture::NAME, want);
+        }
         textures.lights.push(slices);
     }
 }
@@ -130,7 +133,7 @@ fn is_closed(edges: &CasterEdges, transform: &GlobalTransform, materials: Option
         && !materials.any(|material| matches!(material.alpha_mode, AlphaMode::Mask(_)))
 }
 
-/// Takes over the memory that each light gets.
+/// Takes over the memory that each light gets. A light without casters gets none, and counts as unshadowed.
 ///
 /// Set: `BuildTechniques`, in [`TextureMemorySystems::Build`](crate::techniques::TextureMemorySystems::Build). Reads
 /// [`FrameLights`] and [`TextureMemory`]; writes [`OcclusionTextures`].

@@ -27,7 +27,8 @@ use crate::techniques::shared::near_caps::NearCaps;
 const RAY_SHARE: f64 = 16.0;
 
 /// Makes the wedges of every caster of every light with a [`PenumbraWedge`] where none are known or the known
-/// ones are stale, and lists what the frame draws.
+/// ones are stale, and lists what the frame draws. A light without any wedge or cap is not listed, unless it has a
+/// texture: nothing is recorded for it, and it counts as unshadowed.
 ///
 /// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`] and what hides near
 /// caps; writes [`PenumbraWedges`] and, in an orthographic view, extends [`DepthReach`] to the wedges. Cost:
@@ -75,34 +76,40 @@ pub fn build_penumbra_wedges(
         if light.region.scissor.is_none() {
             continue; // no visible surface receives the light
         }
+        let placed = out.scratch.layout.len();
         let first = out.begin_light(index, light, settings, texture, view);
-        let Some(known) = silhouettes.of_light(light.entity) else {
-            continue;
-        };
-        if let Some(this) = out.lights.last_mut() {
-            this.stacked = known.stacked;
-        }
-        for number in 0..out.scratch.parts.len() {
-            let part = out.scratch.parts[number];
-            let part = PartContext {
-                light,
-                settings,
-                part: &part,
-                number: number as u32,
-                first: first as u32,
-                reach: out.parts[first + number].reach,
-                pyramid: OcclusionPyramid::new(&context.around, part.point_world),
-                finite: FiniteReach::new(view, light, part.point_world),
-            };
-            for object in light.sets.s.ones() {
-                if let Some((_, silhouette)) = known.of_object(object)
-                    && let Ok(caster) = casters.get(objects.entities[object])
-                {
-                    rebuilt |= out.place(&context, &part, object, silhouette, &caster);
+        if let Some(known) = silhouettes.of_light(light.entity) {
+            if let Some(this) = out.lights.last_mut() {
+                this.stacked = known.stacked;
+            }
+            for number in 0..out.scratch.parts.len() {
+                let part = out.scratch.parts[number];
+                let part = PartContext {
+                    light,
+                    settings,
+                    part: &part,
+                    number: number as u32,
+                    first: first as u32,
+                    reach: out.parts[first + number].reach,
+                    pyramid: OcclusionPyramid::new(&context.around, part.point_world),
+                    finite: FiniteReach::new(view, light, part.point_world),
+                };
+                for object in light.sets.s.ones() {
+                    if let Some((_, silhouette)) = known.of_object(object)
+                        && let Ok(caster) = casters.get(objects.entities[object])
+                    {
+                        rebuilt |= out.place(&context, &part, object, silhouette, &caster);
+                    }
                 }
             }
         }
         chunks_of(&mut out.kept, light.entity, frame).retain(|chunk| chunk.last_used + KEPT_FRAMES >= frame);
+        // The mask also carries the colours of a texture, which a light without shadows has as well.
+        let has_texture = out.lights.last().is_some_and(|light| light.texture.is_some());
+        if out.scratch.layout.len() == placed && !has_texture {
+            out.lights.pop();
+            out.parts.truncate(first);
+        }
     }
     out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
     let same_layout = out.scratch.layout == out.scratch.last_layout;

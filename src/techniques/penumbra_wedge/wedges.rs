@@ -12,8 +12,8 @@ use super::part_patches::{PartPatches, Placed};
 use super::tables::texture::EmitterTexture;
 use crate::techniques::shared::finite_reach::NearestSurfaces;
 
-/// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
-/// `build_penumbra_wedges`.
+/// The wedges of this frame, for each light with a [`PenumbraWedge`] that some caster shadows in view, or that has a
+/// texture. Written by `build_penumbra_wedges`.
 #[derive(Resource, Debug, Default)]
 pub struct PenumbraWedges {
     /// Lights with wedges, ascending by light.

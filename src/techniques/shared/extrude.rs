@@ -3,7 +3,7 @@
 
 use glam::{DVec3, DVec4, Vec3, Vec4};
 
-use crate::geometry::{Aabb, BoxShadow};
+use crate::geometry::{Aabb, BoxReceivers};
 
 /// The extrusion of a volume that reaches infinity.
 pub const TO_INFINITY: f32 = 0.0;
@@ -31,13 +31,13 @@ pub fn far_position(light_local: Vec4, extrusion: f32, position_local: Vec3) -> 
 /// caster is.
 ///
 /// Returns [`TO_INFINITY`] for directional lights, and where the light is inside the bounds or so near them
-/// that a finite volume saves nothing. `receivers` are boxes that are not empty.
+/// that a finite volume saves nothing. `receivers` are relative to this light. Cost: the receivers, eight at a time.
 /// Source: Lloyd et al. 2004, "CC Shadow Volumes", for clamping volumes to receivers; the method is ours.
 pub fn finite_extrusion(
     light_world: DVec4,
     range: f32,
     bounds_world: &Aabb,
-    receivers: &[Aabb],
+    receivers: &BoxReceivers,
 ) -> Option<f32> {
     /// Above this factor the far corners are so far out that a finite volume saves nothing. Chosen by eye.
     const LARGEST: f64 = 1000.0;
@@ -54,7 +54,7 @@ pub fn finite_extrusion(
     let nearest = light.clamp(bounds_world.min.as_dvec3(), bounds_world.max.as_dvec3());
     let distance = light.distance(nearest);
     let to_range = f64::from(range) / distance;
-    let to_receivers = f64::from(BoxShadow::new(light, bounds_world).farthest(receivers)?);
+    let to_receivers = f64::from(receivers.farthest(bounds_world)?);
     let farthest = bounds_world
         .corners()
         .map(|corner| light.distance(corner.as_dvec3()));

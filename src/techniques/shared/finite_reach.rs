@@ -92,12 +92,18 @@ impl FiniteReach {
     }
 }
 
+/// Returns the greatest view depth of these points; −∞ without points.
+pub fn farthest_depth(view: &ViewData, points: impl IntoIterator<Item = Vec4>) -> f64 {
+    let projector = Projector::new(view);
+    let depths = points
+        .into_iter()
+        .map(|point| projector.depth(point.truncate().as_dvec3()));
+    depths.fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Extends the view's depth reach to the hull of these points.
 pub fn include_points(reach: &DepthReach, view: &ViewData, points: impl IntoIterator<Item = Vec4>) {
-    let projector = Projector::new(view);
-    for point in points {
-        reach.include(projector.depth(point.truncate().as_dvec3()));
-    }
+    reach.include(farthest_depth(view, points));
 }
 
 /// Extends the view's depth reach to rays of this length from anywhere in a box.

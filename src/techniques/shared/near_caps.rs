@@ -3,6 +3,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use fixedbitset::FixedBitSet;
 
 use crate::scene::FaceCulling;
 use crate::sets::{Objects, SeeThrough, SeenInto};
@@ -15,7 +16,30 @@ pub struct NearCaps<'w> {
     face_culling: Res<'w, FaceCulling>,
 }
 
+/// A copy of the sets that decide whether near caps are hidden.
+#[derive(Clone, Debug, Default)]
+pub struct KeptNearCaps {
+    seen_into: FixedBitSet,
+    two_sided: FixedBitSet,
+    face_culling: FaceCulling,
+}
+
 impl NearCaps<'_> {
+    /// Brings a copy of the sets up to date, and returns whether it was up to date. The sets are by dense object index, so the
+    /// answer holds as long as indices keep their meaning. Cost: two bits an object.
+    pub fn keep(&self, copy: &mut KeptNearCaps) -> bool {
+        let (seen_into, two_sided) = (&self.seen_into.0, &self.see_through.two_sided);
+        let is_same = copy.seen_into == *seen_into
+            && copy.two_sided == *two_sided
+            && copy.face_culling == *self.face_culling;
+        if !is_same {
+            copy.seen_into.clone_from(seen_into);
+            copy.two_sided.clone_from(two_sided);
+            copy.face_culling = *self.face_culling;
+        }
+        is_same
+    }
+
     /// Whether an object's near cap is nowhere seen, because its whole surface is drawn there and nothing
     /// looks into the object.
     ///

@@ -1,5 +1,7 @@
 //! The frame's shadow volumes: which parts of which caster are drawn, and how they are counted.
 //!
+//! A light keeps its volumes while nothing changes that they are decided by, which `kept` finds out.
+//!
 //! This file and `volume_parts` decide which parts of its volume a caster of a light's set S needs.
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
@@ -8,12 +10,13 @@ use glam::Vec4;
 
 use super::caster_volume::CasterVolume;
 use super::component::{Counting, Extent, StencilVolume};
+use super::kept::{LightInputs, SharedInputs};
 use super::volume_parts::PartCulling;
-use crate::geometry::Aabb;
-use crate::sets::{CameraOcclusion, DepthReach, FrameLight, FrameLights, Objects, View};
-use crate::silhouettes::{CasterShape, Silhouette, Silhouettes};
+use crate::geometry::{Aabb, BoxReceivers};
+use crate::sets::{CameraOcclusion, DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
+use crate::silhouettes::{CasterShape, LightSilhouettes, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
-use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points};
+use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, farthest_depth};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
 
@@ -29,6 +32,25 @@ pub struct LightVolumes {
     /// Number of casters of S without a volume, because it misses the view or the depths that the light
     /// reaches.
     pub culled: usize,
+    /// The [`StencilVolumes::revision`] of the frame in which the volumes were computed. They are those of the frames since.
+    pub revision: u64,
+    /// Greatest view depth of the volumes; −∞ in a perspective view.
+    deepest: f64,
+    inputs: LightInputs,
+}
+
+impl LightVolumes {
+    fn new(entity: Entity, light: usize, casters: Vec<CasterVolume>) -> Self {
+        Self {
+            light,
+            entity,
+            casters,
+            culled: 0,
+            revision: 0,
+            deepest: f64::NEG_INFINITY,
+            inputs: LightInputs::default(),
+        }
+    }
 }
 
 /// The volumes of this frame, for each light with a [`StencilVolume`] that lights something. Written by
@@ -37,8 +59,14 @@ pub struct LightVolumes {
 pub struct StencilVolumes {
     /// Volumes by light, ascending.
     pub lights: Vec<LightVolumes>,
+    /// Increases when `lights` changed: when volumes of a light were computed again, or lights came, went or have other
+    /// indices.
+    pub revision: u64,
+    previous: Vec<LightVolumes>,
     spare: Vec<Vec<CasterVolume>>,
     surfaces: NearestSurfaces,
+    receivers: BoxReceivers,
+    inputs: SharedInputs,
 }
 
 impl StencilVolumes {
@@ -52,11 +80,14 @@ impl StencilVolumes {
     }
 }
 
-/// Decides for every caster of every light with a [`StencilVolume`] which parts are drawn and how they count.
+/// Decides for every caster of every light with a [`StencilVolume`] which parts are drawn and how they count. Lights
+/// keep the volumes of the last frame if nothing changed that these are decided by.
 ///
 /// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`],
 /// [`CameraOcclusion`]; writes [`StencilVolumes`] and, in an orthographic view, extends [`DepthReach`] to the
-/// volumes. Cost: one pyramid test and one hull test for each caster of S.
+/// volumes. Cost: the lights, and two bits an object. For a light whose volumes are computed again, a pyramid test and a hull
+/// test for each caster of S and, with [`Extent::Finite`] in a perspective view, its lit receivers for each of these casters,
+/// eight at a time.
 pub fn build_stencil_volumes(
     mut volumes: ResMut<StencilVolumes>,
     depth_reach: Res<DepthReach>,
@@ -71,14 +102,24 @@ pub fn build_stencil_volumes(
 ) {
     let StencilVolumes {
         lights: out,
+        revision,
+        previous,
         spare,
         surfaces,
+        receivers,
+        inputs: shared,
     } = &mut *volumes;
     surfaces.begin_frame();
-    spare.extend(out.drain(..).map(|light| light.casters));
     let Some(view) = &view.data else {
+        *revision += u64::from(!out.is_empty());
+        spare.extend(out.drain(..).map(|light| light.casters));
         return;
     };
+    let same_shared = shared.follow(view, &occlusion, &near_caps);
+    std::mem::swap(out, previous);
+    let mut old = previous.drain(..).peekable();
+    let next_revision = *revision + 1;
+    let mut changed = false;
     for (index, light) in lights.lights.iter().enumerate() {
         if !light.is_shadowed_by::<StencilVolume>() {
             continue;
@@ -89,51 +130,61 @@ pub fn build_stencil_volumes(
         if light.region.scissor.is_none() {
             continue; // no visible surface receives the light
         }
-        let mut entry = LightVolumes {
-            light: index,
-            entity: light.entity,
-            casters: spare.pop().unwrap_or_default(),
-            culled: 0,
+        while let Some(gone) = old.next_if(|entry| entry.entity < light.entity) {
+            spare.push(gone.casters);
+            changed = true;
+        }
+        let known = silhouettes.of_light(light.entity);
+        let inputs = LightInputs {
+            settings: *settings,
+            silhouettes: known.map(|known| known.revision),
         };
-        entry.casters.clear();
-        let near = &view.near_corners;
-        let building = Building {
-            light,
-            settings,
-            objects: &objects,
-            near_caps: &near_caps,
-            casters: &casters,
-            pyramid: OcclusionPyramid::new(&[near[0], near[1], near[3], near[2]], light.point_world),
-            parts: PartCulling::new(light, view, &occlusion.viewpoint),
-            finite: FiniteReach::new(view, light, light.point_world),
-        };
-        if let Some(known) = silhouettes.of_light(light.entity) {
-            for object in light.sets.s.ones() {
-                let Some((slot, silhouette)) = known.of_object(object) else {
-                    continue;
-                };
-                if silhouette.contour.edge_count() == 0 && silhouette.contour.caps.is_empty() {
-                    continue;
-                }
-                match building.volume(object, slot, silhouette, surfaces) {
-                    Some((volume, corners)) => {
-                        if building.finite.is_some() {
-                            include_points(&depth_reach, view, corners);
-                        }
-                        entry.casters.push(volume);
-                    }
-                    None => entry.culled += 1,
-                }
+        let last = old.next_if(|entry| entry.entity == light.entity);
+        let is_kept =
+            same_shared && !light.is_recomputed() && last.as_ref().is_some_and(|last| last.inputs == inputs);
+        let mut entry =
+            last.unwrap_or_else(|| LightVolumes::new(light.entity, index, spare.pop().unwrap_or_default()));
+        changed |= !is_kept || entry.light != index;
+        entry.light = index;
+        if !is_kept {
+            entry.inputs = inputs;
+            entry.revision = next_revision;
+            let near = &view.near_corners;
+            let finite = FiniteReach::new(view, light, light.point_world);
+            if finite.is_none() && settings.extent == Extent::Finite && light.point_world.w != 0.0 {
+                receivers.set(light.point_world.truncate(), &light.region.lit_receivers);
             }
+            let building = Building {
+                light,
+                settings,
+                view,
+                objects: &objects,
+                near_caps: &near_caps,
+                casters: &casters,
+                pyramid: OcclusionPyramid::new(&[near[0], near[1], near[3], near[2]], light.point_world),
+                parts: PartCulling::new(light, view, &occlusion.viewpoint),
+                finite,
+                receivers,
+            };
+            building.fill(&mut entry, known, surfaces);
+        }
+        if view.is_orthographic() {
+            depth_reach.include(entry.deepest);
         }
         out.push(entry);
     }
+    for gone in old {
+        spare.push(gone.casters);
+        changed = true;
+    }
+    *revision += u64::from(changed);
 }
 
 /// Everything that the volumes of one light are decided by.
 struct Building<'a, 'w, 's> {
     light: &'a FrameLight,
     settings: &'a StencilVolume,
+    view: &'a ViewData,
     objects: &'a Objects,
     near_caps: &'a NearCaps<'w>,
     casters: &'a Query<'w, 's, CasterShape>,
@@ -141,9 +192,37 @@ struct Building<'a, 'w, 's> {
     parts: PartCulling<'a>,
     /// `Some` in a view in which volumes must end.
     finite: Option<FiniteReach>,
+    /// What receives the light; used for finite volumes in a perspective view.
+    receivers: &'a BoxReceivers,
 }
 
 impl Building<'_, '_, '_> {
+    /// Computes the volumes of all casters of S.
+    fn fill(&self, out: &mut LightVolumes, known: Option<&LightSilhouettes>, surfaces: &mut NearestSurfaces) {
+        out.casters.clear();
+        (out.culled, out.deepest) = (0, f64::NEG_INFINITY);
+        let Some(known) = known else {
+            return;
+        };
+        for object in self.light.sets.s.ones() {
+            let Some((slot, silhouette)) = known.of_object(object) else {
+                continue;
+            };
+            if silhouette.contour.edge_count() == 0 && silhouette.contour.caps.is_empty() {
+                continue;
+            }
+            match self.volume(object, slot, silhouette, surfaces) {
+                Some((volume, corners)) => {
+                    if self.finite.is_some() {
+                        out.deepest = out.deepest.max(farthest_depth(self.view, corners));
+                    }
+                    out.casters.push(volume);
+                }
+                None => out.culled += 1,
+            }
+        }
+    }
+
     /// Returns the volume of one caster with the corners around it, world space. It is `None` for a caster that
     /// shadows nothing which receives the light, or nothing in view.
     fn volume(
@@ -163,12 +242,9 @@ impl Building<'_, '_, '_> {
                 let key = (light.entity, 0, entity);
                 surfaces.get(key, silhouette.revision, light.point_world, &caster)
             })?,
-            None if self.settings.extent == Extent::Finite => finite_extrusion(
-                light.point_world,
-                light.light.range,
-                &bounds,
-                &light.region.lit_receivers,
-            )?,
+            None if self.settings.extent == Extent::Finite => {
+                finite_extrusion(light.point_world, light.light.range, &bounds, self.receivers)?
+            }
             None => TO_INFINITY,
         };
         let volume = CasterVolume {

@@ -2,13 +2,52 @@
 
 use antumbra::prelude::*;
 use antumbra::reference::SurfaceHit;
-use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceFilter};
+use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceFilter, TextureMemory};
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
-use super::scenes::{boxes, hits, lamp, plate, rendered, spawn, square, staged, truth};
+use super::scenes::{Scene, boxes, hits, lamp, plate, rendered, spawn, square, staged, truth};
 use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
+
+/// Lights without casters draw no pictures and take no memory. Their shadows are right as soon as casters come.
+#[test]
+fn lights_without_casters_have_no_pictures() {
+    let context = strict_context();
+    let box_above = || {
+        let place = Transform::from_xyz(-0.2, 0.5, 0.1);
+        (MeshData::cuboid(Vec3::splat(0.2)), place)
+    };
+    let lit = |stage: &mut Stage| {
+        let (light, place) = lamp(square(0.5), Vec3::new(0.0, 3.0, 0.0));
+        stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+    };
+    let parts = |parts| Scene {
+        name: "a ground",
+        parts,
+        eye: Vec3::new(1.5, 3.5, 3.0),
+    };
+    // A ground of its own casts, but shadows nothing.
+    let ground = (MeshData::plane(4.0), Transform::IDENTITY);
+    let mut fresh = staged(&context, &parts(vec![ground.clone(), box_above()]));
+    lit(&mut fresh);
+    let shadowed = rendered(&mut fresh);
+    assert!(shadowed.iter().filter(|v| **v < 0.5).count() > 50);
+
+    let mut stage = staged(&context, &parts(vec![ground]));
+    lit(&mut stage);
+    for _ in 0..2 {
+        assert!(rendered(&mut stage).iter().all(|v| *v == 1.0));
+        assert!(stage.world.resource::<OcclusionTextures>().of_light(0).is_none());
+        assert_eq!(stage.world.resource::<TextureMemory>().bytes(), 0);
+        let (mesh, place) = box_above();
+        let caster = spawn(&mut stage, mesh, place);
+        assert!(rendered(&mut stage) == shadowed, "the caster comes");
+        assert!(stage.world.resource::<OcclusionTextures>().of_light(0).is_some());
+        assert!(stage.world.resource::<TextureMemory>().bytes() > 0);
+        stage.world.despawn(caster);
+    }
+}
 
 #[test]
 fn pictures_are_drawn_again_only_when_something_changes() {

@@ -12,6 +12,7 @@ mod scenes;
 mod tables;
 mod texture;
 mod twice;
+mod unshadowed;
 
 use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;

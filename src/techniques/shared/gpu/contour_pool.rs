@@ -53,6 +53,8 @@ struct Slot {
 
 struct LightSlots {
     light: Entity,
+    /// The [`LightSilhouettes::revision`](crate::silhouettes::LightSilhouettes::revision) that was uploaded.
+    revision: u64,
     slots: Vec<Slot>,
 }
 
@@ -179,7 +181,8 @@ impl ContourPool {
         (slot.revision != 0).then_some(slot.place)
     }
 
-    /// Brings the pool up to date. Returns whether a buffer was replaced, which invalidates bind groups.
+    /// Brings the pool up to date. Returns whether all silhouettes have new places in new buffers, which invalidates bind
+    /// groups. Cost: the lights, and the silhouettes of those lights that have new ones.
     ///
     /// # Errors
     /// [`RenderError::Limit`] if the device cannot hold all silhouettes.
@@ -239,6 +242,7 @@ impl ContourPool {
                     at,
                     LightSlots {
                         light: light.light,
+                        revision: 0,
                         slots: Vec::new(),
                     },
                 );
@@ -249,6 +253,9 @@ impl ContourPool {
     /// Uploads all stale silhouettes. Returns `false` if there is no room.
     fn upload(&mut self, context: &RenderContext, silhouettes: &Silhouettes) -> bool {
         for (entry, light) in self.lights.iter_mut().zip(silhouettes.lights()) {
+            if entry.revision == light.revision {
+                continue;
+            }
             entry.slots.resize_with(light.slots.len(), Slot::default);
             for (slot, silhouette) in entry.slots.iter_mut().zip(&light.slots) {
                 if slot.revision == silhouette.revision {
@@ -280,6 +287,7 @@ impl ContourPool {
                 slot.caps = caps;
                 slot.revision = silhouette.revision;
             }
+            entry.revision = light.revision;
         }
         true
     }

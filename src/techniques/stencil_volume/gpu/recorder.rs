@@ -20,16 +20,15 @@ use std::sync::Arc;
 use bevy_ecs::prelude::*;
 
 use super::gpu_types::Caster;
+use super::long_lived::{LongLived, bind};
 use super::pipelines::{FILE, Key, Part, Purpose, describe};
 use super::quads::{CORNERS, QuadIndices};
 use super::rounds::Rounds;
 use crate::conventions::STENCIL_IN_BOUNDS;
-use crate::render::gpu::bind_groups::{STORAGE, bind_in_order, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::recorder::{Leaves, Mark, PrepareInput, RecordInput, Recorder};
-use crate::render::{Gpu, RenderContext, RenderError};
-use crate::sets::FrameLights;
+use crate::render::{Gpu, RenderError};
 use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
 use crate::techniques::stencil_volume::caster_volume::CasterVolume;
@@ -61,30 +60,14 @@ struct LightDraws {
     draws: std::ops::Range<usize>,
 }
 
-/// The parts of the recorder that all views of a device share.
-#[derive(Debug)]
-struct LongLived {
-    /// The layout of group 2: casters and silhouette edges.
-    casters: wgpu::BindGroupLayout,
-    quads: QuadIndices,
-}
-
-impl LongLived {
-    fn new(gpu: &Gpu) -> Self {
-        let vertex = wgpu::ShaderStages::VERTEX;
-        let entries = [
-            buffer_entry(0, vertex, STORAGE, false, size_of::<Caster>()),
-            buffer_entry(1, vertex, STORAGE, false, 8),
-        ];
-        let descriptor = wgpu::BindGroupLayoutDescriptor {
-            label: Some("volume casters"),
-            entries: &entries,
-        };
-        Self {
-            casters: gpu.context.device.create_bind_group_layout(&descriptor),
-            quads: QuadIndices::new(&gpu.context),
-        }
-    }
+/// What the draws and the records of the casters were made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Source {
+    /// The [`StencilVolumes::revision`], which changes with the silhouettes and the places of its lights and casters.
+    volumes: u64,
+    /// The generation of the table of objects.
+    table: u64,
+    mirrored_view: bool,
 }
 
 /// The recorder of stencil volumes.
@@ -100,6 +83,8 @@ pub struct StencilVolumeNode {
     draws: Vec<Draw>,
     lights: Vec<LightDraws>,
     order: Vec<(Likeness, usize)>,
+    /// `None` if there are no draws, or if preparing them failed.
+    made_from: Option<Source>,
 }
 
 /// The key of casters with one silhouette: the mesh, the light in the caster's space bit for bit, and the cap
@@ -128,6 +113,7 @@ impl StencilVolumeNode {
             draws: Vec::new(),
             lights: Vec::new(),
             order: Vec::new(),
+            made_from: None,
         })
     }
 
@@ -195,6 +181,39 @@ impl StencilVolumeNode {
         }
         if round > 0 {
             self.rounds.reopen(pass);
+        }
+    }
+
+    fn clear(&mut self) {
+        self.draws.clear();
+        self.lights.clear();
+        self.caster_constants.clear();
+    }
+
+    /// Makes the draws of all lights, and uploads the records of their casters. `replaced` tells that the pool has new
+    /// buffers.
+    fn make_draws(
+        &mut self,
+        volumes: &StencilVolumes,
+        silhouettes: &Silhouettes,
+        input: &PrepareInput,
+        replaced: bool,
+    ) {
+        self.clear();
+        for light in &volumes.lights {
+            let first = self.draws.len();
+            if let Some(known) = silhouettes.of_light(light.entity) {
+                self.push_light(&light.casters, known, input);
+            }
+            self.lights.push(LightDraws {
+                light: light.light,
+                draws: first..self.draws.len(),
+            });
+        }
+        let records: &[u8] = bytemuck::cast_slice(&self.caster_constants);
+        if self.casters.write(input.context, records) || replaced {
+            let (layout, edges) = (&self.long_lived.casters, self.pool.edges());
+            self.group = bind(input.context, layout, &self.casters.buffer, edges);
         }
     }
 
@@ -312,20 +331,6 @@ impl StencilVolumeNode {
     }
 }
 
-fn bind(
-    context: &RenderContext,
-    layout: &wgpu::BindGroupLayout,
-    casters: &wgpu::Buffer,
-    edges: &wgpu::Buffer,
-) -> wgpu::BindGroup {
-    bind_in_order(
-        &context.device,
-        "volume casters",
-        layout,
-        [casters.as_entire_binding(), edges.as_entire_binding()],
-    )
-}
-
 impl Mark for StencilVolumeNode {
     fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
         self.record(self.draws_of(light), Purpose::Count, pass, input);
@@ -334,37 +339,23 @@ impl Mark for StencilVolumeNode {
 
 impl Recorder for StencilVolumeNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
-        self.draws.clear();
-        self.lights.clear();
-        self.caster_constants.clear();
-        let (Some(volumes), Some(silhouettes), Some(lights)) = (
+        let last = self.made_from.take();
+        let (Some(volumes), Some(silhouettes)) = (
             world.get_resource::<StencilVolumes>(),
             world.get_resource::<Silhouettes>(),
-            world.get_resource::<FrameLights>(),
         ) else {
+            self.clear();
             return Ok(());
         };
-        let mut rebind = self.pool.update(input.context, silhouettes)?;
-        for light in &volumes.lights {
-            let first = self.draws.len();
-            if let Some(known) = silhouettes.of_light(lights.lights[light.light].entity) {
-                self.push_light(&light.casters, known, input);
-            }
-            self.lights.push(LightDraws {
-                light: light.light,
-                draws: first..self.draws.len(),
-            });
-        }
-        rebind |= self
-            .casters
-            .write(input.context, bytemuck::cast_slice(&self.caster_constants));
-        if rebind {
-            self.group = bind(
-                input.context,
-                &self.long_lived.casters,
-                &self.casters.buffer,
-                self.pool.edges(),
-            );
+        let replaced = self.pool.update(input.context, silhouettes);
+        let replaced = replaced.inspect_err(|_| self.clear())?;
+        let source = Source {
+            volumes: volumes.revision,
+            table: input.table.generation,
+            mirrored_view: input.mirrored_view,
+        };
+        if replaced || last != Some(source) {
+            self.make_draws(volumes, silhouettes, input, replaced);
         }
         let (gpu, layout) = (input.gpu, &self.long_lived.casters);
         let purposes: &[Purpose] = if input.debug_view {
@@ -372,12 +363,14 @@ impl Recorder for StencilVolumeNode {
         } else {
             &[Purpose::Count]
         };
-        for draw in &self.draws {
+        for alike in self.draws.chunk_by(|a, b| a.key == b.key) {
+            let key = alike[0].key;
             for &purpose in purposes {
-                let describe = |gpu: &Gpu| describe(gpu, layout, draw.key, purpose);
-                gpu.require(&mut self.pipelines, (draw.key, purpose), describe)?;
+                let describe = |gpu: &Gpu| describe(gpu, layout, key, purpose);
+                gpu.require(&mut self.pipelines, (key, purpose), describe)?;
             }
         }
+        self.made_from = Some(source);
         Ok(())
     }
 
