@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | finite, keeps volume | the transform, bit for bit |
 //! | flattens any direction, skinned mesh | its translation alone, because the joints decide where the mesh is |
-//! | flattens one direction, other mesh | the transform with a thickness too small to see: the object is a plate |
+//! | flattens one direction, other mesh | the transform with a thickness that nothing notices: the object is a plate |
 //! | flattens more directions, other mesh; or not finite | none: the object is left out |
 
 use bevy_ecs::prelude::*;
@@ -18,9 +18,19 @@ use super::Skin;
 /// rotations and a scale of 0 have a share of some 10⁻⁷.
 const FLAT: f64 = 5e-7;
 
-/// Thickness of a flat object, as a share of the longest axis of its transform. It is a tenth of a pixel for an object
-/// that fills 10,000 pixels, and a hundred times the resolution of stored depth at a distance of two object sizes.
-const THICKNESS: f64 = 1e-5;
+/// Thickness of a flat object, as a share of the longest axis of its transform. A light flush with a ceiling of a
+/// kilometre is half a micrometre from its faces, far within its clearance ([`LightClearance`](crate::sets::LightClearance)).
+/// The position of a light has coordinates of up to 10⁹ object sizes in the object's space, whose squares fit an `f32`.
+const THICKNESS: f64 = 1e-9;
+
+/// Greatest thickness of a flat object, as a share of the longest axis of its transform: a tenth of a pixel for an object
+/// that fills 10,000 pixels. It is that of an object whose lost direction is between its axes.
+const GREATEST_THICKNESS: f64 = 1e-5;
+
+/// Thickness as a share of the lengths that cancel where the lost direction is between the object's axes. What lies at a
+/// distance `h` before the object is at `h` divided by the thickness in the object's space, and the matrix takes it back as a
+/// sum of terms that cancel. Their rounding errors are 2⁻²⁴ of them, so at most 0.3 % of `h`.
+const CANCELLING: f64 = 2e-5;
 
 /// The components that determine where an object stands.
 #[derive(QueryData)]
@@ -44,9 +54,17 @@ impl PlacementItem<'_, '_> {
     /// The matrix of [`affine`](Self::affine), but without the thickness of a flat object.
     pub fn exact_affine(&self) -> Option<Affine3A> {
         let affine = self.affine()?;
+        Some(if self.is_flat() {
+            self.transform.affine()
+        } else {
+            affine
+        })
+    }
+
+    /// Whether the transform flattens one direction, so that the object is a plate.
+    pub fn is_flat(&self) -> bool {
         let own = self.transform.affine();
-        let is_flat = !self.is_skinned && !is_thick(&own) && flattened(&own).is_some();
-        Some(if is_flat { own } else { affine })
+        !self.is_skinned && !is_thick(&own) && flattened(&own).is_some()
     }
 }
 
@@ -100,7 +118,9 @@ fn has_volume(affine: &Affine3A) -> bool {
 /// Gives a flat transform a thickness. `None` for a transform that is not flat, or that has no area either.
 ///
 /// The transform `M` maps everything to a plane with unit normal `n`, and loses the direction `k`. With a thickness δ
-/// it is `M + δ n kᵀ`. This never mirrors, so fronts stay where corners run counter-clockwise.
+/// it is `M + δ n kᵀ`, where `M` is without what its rounding left along `n`. This never mirrors, so fronts stay where
+/// corners run counter-clockwise. The sum is rounded once. Where `k` is an axis, `M` has a column of zeros, which keeps δ to
+/// its last bit.
 fn flattened(affine: &Affine3A) -> Option<Affine3A> {
     let m = affine.matrix3;
     let columns = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_dvec3());
@@ -110,8 +130,8 @@ fn flattened(affine: &Affine3A) -> Option<Affine3A> {
     if !(volume < FLAT * area * longest && area > FLAT * longest * longest) {
         return None;
     }
-    let linear = DMat3::from_cols(columns[0], columns[1], columns[2]);
-    let rows = linear.transpose();
+    let columns = columns.map(|axis| axis - normal * normal.dot(axis));
+    let rows = DMat3::from_cols(columns[0], columns[1], columns[2]).transpose();
     let (lost, _) = largest_cross([rows.x_axis, rows.y_axis, rows.z_axis]);
     let cofactors = DMat3::from_cols(
         columns[1].cross(columns[2]),
@@ -119,7 +139,10 @@ fn flattened(affine: &Affine3A) -> Option<Affine3A> {
         columns[0].cross(columns[1]),
     );
     let lost = lost * normal.dot(cofactors * lost).signum();
-    let thickness = normal * (THICKNESS * longest);
+    let cancelling = (0..3).map(|axis| lost[axis].abs() * columns[axis].length());
+    let thickness = (CANCELLING * cancelling.fold(0.0, f64::max))
+        .clamp(THICKNESS * longest, GREATEST_THICKNESS * longest);
+    let thickness = normal * thickness;
     let thick = DMat3::from_cols(
         columns[0] + thickness * lost.x,
         columns[1] + thickness * lost.y,
@@ -129,7 +152,11 @@ fn flattened(affine: &Affine3A) -> Option<Affine3A> {
         matrix3: thick.as_mat3().into(),
         translation: affine.translation,
     };
-    has_volume(&plate).then_some(plate)
+    // In `f32` the volume of a tilted plate is less than the rounding of its terms.
+    let m = plate.matrix3;
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_dvec3());
+    let volume = x.dot(y.cross(z)) as f32;
+    (volume > 0.0 && volume.is_finite()).then_some(plate)
 }
 
 /// The longest cross product of two of three vectors, at unit length, and its length.
@@ -150,7 +177,7 @@ fn largest_cross([x, y, z]: [DVec3; 3]) -> (DVec3, f64) {
 mod tests {
     use super::*;
     use bevy_transform::prelude::Transform;
-    use glam::{Mat3A, Quat, Vec3};
+    use glam::{Mat3, Mat3A, Quat, Vec3};
 
     fn of(transform: Transform) -> Option<Affine3A> {
         placed(&transform.into(), false)
@@ -201,11 +228,45 @@ mod tests {
                 let outer = Transform::from_rotation(turn).with_scale(scale);
                 let flat = GlobalTransform::from(outer) * Transform::from_rotation(inner);
                 let plate = placed(&flat, false).unwrap();
-                let determinant = plate.matrix3.determinant();
-                assert!(determinant > 1e-6 && determinant < 1e-4, "{determinant}");
+                let determinant = volume(&plate);
+                assert!(determinant > 1e-10 && determinant < 1e-4, "{determinant}");
+                if inner == Quat::IDENTITY {
+                    assert!(determinant < 1e-8, "{determinant}");
+                }
                 let moved =
                     |a: Mat3A, b: Mat3A| (a.x_axis - b.x_axis).length().max((a.y_axis - b.y_axis).length());
                 assert!(moved(plate.matrix3, flat.affine().matrix3) < 3e-5);
+            }
+        }
+    }
+
+    fn volume(affine: &Affine3A) -> f64 {
+        Mat3::from(affine.matrix3).as_dmat3().determinant()
+    }
+
+    /// Plates of all sizes and tilts have a side that is the same as that of the thin object.
+    #[test]
+    fn plates_have_the_fronts_of_thin_objects() {
+        let mut tilt = 0.0;
+        for size in (-8..=8).map(|size| 10f32.powi(size)) {
+            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                for sign in [1.0, -1.0] {
+                    tilt += 0.37;
+                    let turn = Quat::from_euler(glam::EulerRot::XYZ, tilt, 1.7 * tilt, -tilt);
+                    let rest = Vec3::new(1.0, 0.3, 0.8) - axis * Vec3::new(1.0, 0.3, 0.8);
+                    let flat = Transform::from_rotation(turn).with_scale(rest * size * sign);
+                    let thin = flat.with_scale((rest * sign + axis * 0.01) * size);
+                    let plate = of(flat).expect("it has an area");
+                    let plate_volume = volume(&plate);
+                    assert!(plate_volume > 0.0, "{flat:?}");
+                    // A normal along the lost axis goes to the same side of the plane.
+                    let normal = |affine: &Affine3A| {
+                        let inverse = Mat3::from(affine.matrix3).as_dmat3().inverse();
+                        (inverse.transpose() * axis.as_dvec3()).normalize()
+                    };
+                    let thin = normal(&GlobalTransform::from(thin).affine());
+                    assert!(normal(&plate).dot(thin) > 0.99999, "{flat:?}: {plate:?}");
+                }
             }
         }
     }

@@ -23,7 +23,8 @@ use crate::sets::{FrameLight, FrameLights, NeededSilhouettes, Objects, SeenInto}
 /// Set: `BuildSilhouettes`. Reads [`FrameLights`], [`Objects`], [`SeenInto`]; writes [`Silhouettes`].
 ///
 /// A silhouette is stale when the caster was posed, when its mesh was exchanged, when the camera or the light
-/// entered or left its bounds ([`CapMode`]), or when the light has another position in the caster's space.
+/// entered or left its bounds or its transform began or ceased to flatten it ([`CapMode`]), or when the light has
+/// another position in the caster's space.
 /// Change ticks of light and caster select the pairs to check; the check itself compares values, so a light
 /// and a caster that move together keep their silhouette.
 pub fn build_silhouettes(
@@ -88,7 +89,7 @@ pub fn build_silhouettes(
                 light_world: light.point_world,
                 clearance: if light_within { light.clearance } else { 0.0 },
                 light_within,
-                mode: cap_mode(light_within || seen_into.0.contains(object)),
+                mode: cap_mode(light_within || seen_into.0.contains(object), caster.is_flat()),
                 may_have_moved: light.moved || objects.moved.contains(object),
             };
             let slot = entry.slot_for(object, entity);
@@ -244,9 +245,11 @@ pub fn light_is_within(bounds: &Aabb, light_world: DVec4, clearance: f64) -> boo
 
 /// Back-facing triangles suffice for a caster unless the camera or the light may be inside it; then all
 /// triangles are caps. A light inside matters for pieces that are partly wound inward, which cannot be
-/// detected from a volume.
-fn cap_mode(looked_or_lit_from_within: bool) -> CapMode {
-    if looked_or_lit_from_within {
+/// detected from a volume. Nothing is inside of a flat caster.
+fn cap_mode(looked_or_lit_from_within: bool, is_flat: bool) -> CapMode {
+    if is_flat {
+        CapMode::ClosedFacing
+    } else if looked_or_lit_from_within {
         CapMode::AllTriangles
     } else {
         CapMode::ClosedBackFacing

@@ -37,9 +37,11 @@ pub(super) fn extract_caps_without(
     if !fits(mesh, facing) {
         return;
     }
-    let first_facing = match mode {
-        CapMode::ClosedBackFacing => mesh.closed_cluster_count(),
-        CapMode::AllTriangles => 0,
+    let closed_count = mesh.closed_cluster_count();
+    let (first_facing, first_averted) = match mode {
+        CapMode::ClosedBackFacing => (closed_count, 0),
+        CapMode::AllTriangles => (0, 0),
+        CapMode::ClosedFacing => (0, closed_count),
     };
     let (words, states) = (facing.words(), facing.states());
     for (i, cluster) in mesh.clusters().iter().enumerate().skip(first_facing) {
@@ -52,7 +54,7 @@ pub(super) fn extract_caps_without(
         );
     }
     contour.caps_away_start = contour.caps.len();
-    for (i, cluster) in mesh.clusters().iter().enumerate() {
+    for (i, cluster) in mesh.clusters().iter().enumerate().skip(first_averted) {
         let word = !words[i] & cluster.full_word() & kept(i);
         push_caps(mesh, cluster, word, states[i] & HAS_BACK != 0, &mut contour.caps);
     }

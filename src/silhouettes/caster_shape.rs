@@ -24,6 +24,11 @@ impl CasterShapeItem<'_, '_> {
         self.place.world_from_local()
     }
 
+    /// Whether the caster's transform flattens it.
+    pub fn is_flat(&self) -> bool {
+        self.place.is_flat()
+    }
+
     /// Whether the caster has a pose, even one that lacks positions for some vertices.
     pub fn is_posed(&self) -> bool {
         self.posed.is_some()

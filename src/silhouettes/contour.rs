@@ -14,6 +14,11 @@ pub enum CapMode {
     ClosedBackFacing,
     /// All triangles are used. This is right everywhere, also inside of solids.
     AllTriangles,
+    /// Closed pieces use only the triangles that face the light; open pieces use all.
+    ///
+    /// This is for casters that are flattened. Nothing is inside of them, and their lit faces have the depth of those behind,
+    /// up to rounding. So the cap must be the lit face itself, which is drawn with exactly the same depths.
+    ClosedFacing,
 }
 
 /// The edges and caps that make the shadow volume of one caster in one light. Buffers are reused.

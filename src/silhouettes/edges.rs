@@ -11,7 +11,8 @@ use crate::geometry::edge_mesh::{EdgeMesh, EdgeSide, LaneSide};
 ///
 /// The multiplicity of a→b is a sum over the triangles at the edge. A triangle that traverses a→b adds +1 if
 /// it faces the light; otherwise it is turned and adds −1. A triangle that traverses b→a adds the opposite.
-/// Where only back-facing triangles are caps, triangles that face the light add 0.
+/// Where only back-facing triangles are caps, triangles that face the light add 0; where only facing triangles are,
+/// the others add 0, which gives the same sums around closed pieces.
 ///
 /// Cost: the edges of clusters that are mixed or adjoin unlike clusters, one test for every other cluster and
 /// seam, a copy of the boundary edges, and the irregular edges. Edges hold vertex indices, and no position is
@@ -24,10 +25,10 @@ pub fn extract_edges(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contou
         return;
     }
     // The multiplicity of a regular edge between unlike triangles is 1 − (−1) = 2 if all triangles are caps,
-    // and 0 − (−1) = 1 if only back-facing ones are. An edge joins its triangles into one piece, so the
+    // and 0 − (−1) = 1 − 0 = 1 if only one kind is. An edge joins its triangles into one piece, so the
     // clusters on both sides of a seam are both closed or both open.
     let single = match mode {
-        CapMode::ClosedBackFacing => mesh.closed_cluster_count(),
+        CapMode::ClosedBackFacing | CapMode::ClosedFacing => mesh.closed_cluster_count(),
         CapMode::AllTriangles => 0,
     };
     push_regular(mesh, facing, 0..single, &mut contour.edges);

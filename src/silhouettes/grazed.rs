@@ -143,10 +143,11 @@ pub fn take_out_of_contour(
         .retain(|&edge| find(&edges, undirected(edge).0).is_err());
     let closed_slots = mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
     each_triangle(mesh, |slot, corners| {
+        let is_open = slot >= closed_slots;
         let weight = match (is_grazed(grazed, slot), facing.is_facing(slot)) {
             (true, _) => 0,
-            (false, true) => i32::from(mode == CapMode::AllTriangles || slot >= closed_slots),
-            (false, false) => -1,
+            (false, true) => i32::from(mode != CapMode::ClosedBackFacing || is_open),
+            (false, false) => -i32::from(mode != CapMode::ClosedFacing || is_open),
         };
         for (side, sign) in sides(corners).map(undirected) {
             if weight != 0

@@ -15,12 +15,16 @@ use rustc_hash::FxHashMap;
 use super::shapes::Soup;
 use super::volume::{unbalanced_edge, volume};
 
-pub const MODES: [CapMode; 2] = [CapMode::ClosedBackFacing, CapMode::AllTriangles];
+pub const MODES: [CapMode; 3] = [
+    CapMode::ClosedBackFacing,
+    CapMode::AllTriangles,
+    CapMode::ClosedFacing,
+];
 
 pub struct Cast {
     pub mesh: EdgeMesh,
     pub bits: FacingBits,
-    pub contours: [Contour; 2],
+    pub contours: [Contour; 3],
 }
 
 pub fn cast(soup: &Soup, light: Vec4) -> Cast {
@@ -110,7 +114,12 @@ fn contour_by_brute_force(
     let mut sums: FxHashMap<[u32; 2], i32> = FxHashMap::default();
     for (slot, [a, b, c]) in slots(&cast.mesh) {
         let is_facing = cast.bits.is_facing(slot);
-        if is_facing && closed[&slot] && mode == CapMode::ClosedBackFacing {
+        let left_out = match mode {
+            CapMode::ClosedBackFacing => is_facing,
+            CapMode::AllTriangles => false,
+            CapMode::ClosedFacing => !is_facing,
+        };
+        if left_out && closed[&slot] {
             continue;
         }
         let [b, c] = if is_facing { [b, c] } else { [c, b] };
@@ -191,10 +200,11 @@ fn assert_cast_holds(cast: &Cast, closed: &FxHashMap<usize, bool>, soup: &Soup, 
         assert_loops(&edge_vertices);
     }
     if cast.mesh.is_closed() {
-        let [single, double] = cast
+        let [single, double, facing] = cast
             .contours
             .each_ref()
             .map(|contour| counted(contour.all_edges()));
+        assert_eq!(single, facing);
         assert_eq!(
             double,
             single

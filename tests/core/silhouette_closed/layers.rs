@@ -40,18 +40,19 @@ fn bit(words: &[u64], slot: usize) -> bool {
 }
 
 /// What a triangle does in a layer: 1 as it is wound, −1 the other way, 0 if it is not part of it.
-fn part(layer: u32, is_facing: bool, only_back: bool, is_mixed: bool) -> i32 {
-    match (only_back, is_mixed, layer) {
-        (true, _, _) => -i32::from(!is_facing),
-        (false, false, _) => {
+fn part(layer: u32, is_facing: bool, alone: Option<CapMode>, is_mixed: bool) -> i32 {
+    match (alone, is_mixed, layer) {
+        (Some(CapMode::ClosedFacing), _, _) => i32::from(is_facing),
+        (Some(_), _, _) => -i32::from(!is_facing),
+        (None, false, _) => {
             if is_facing {
                 1
             } else {
                 -1
             }
         }
-        (false, true, FACING) => i32::from(is_facing),
-        (false, true, _) => -i32::from(!is_facing),
+        (None, true, FACING) => i32::from(is_facing),
+        (None, true, _) => -i32::from(!is_facing),
     }
 }
 
@@ -113,13 +114,13 @@ proptest! {
             let mut contour = LayeredContour::default();
             let facets = Facets { facing: &facing, turning: &turning, grazed: &[], level: &[] };
             extract_layers(&mesh, &soup.positions, facets, mode, false, &mut contour);
-            let only_back = |slot| mode == CapMode::ClosedBackFacing && slot < closed_slots;
-            let open = || slots(&mesh).map(|(slot, _)| slot).filter(|&slot| !only_back(slot));
+            let alone = |slot| Some(mode).filter(|&mode| mode != CapMode::AllTriangles && slot < closed_slots);
+            let open = || slots(&mesh).map(|(slot, _)| slot).filter(|&slot| alone(slot).is_none());
             let is_mixed = open().any(|slot| bit(&turning, slot))
                 || (open().any(|slot| facing.is_facing(slot)) && open().any(|slot| !facing.is_facing(slot)));
             for layer in [FACING, AVERTED] {
                 let expected = |faces: &dyn Fn(usize) -> bool| {
-                    borders(&mesh, &soup, |slot| part(layer, faces(slot), only_back(slot), is_mixed))
+                    borders(&mesh, &soup, |slot| part(layer, faces(slot), alone(slot), is_mixed))
                 };
                 let mut hard = Chain::new();
                 for edge in &contour.edges {

@@ -2,6 +2,7 @@
 
 mod area_placements;
 mod coincident_surfaces;
+mod flat_casters;
 mod large_grounds;
 mod leftovers;
 mod light_cut;

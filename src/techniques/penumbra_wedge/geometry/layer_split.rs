@@ -81,7 +81,7 @@ impl Split {
     pub(super) fn of(mesh: &EdgeMesh, facets: Facets, mode: CapMode) -> Self {
         let words = facets.facing.words();
         let first_open = match mode {
-            CapMode::ClosedBackFacing => mesh.closed_cluster_count(),
+            CapMode::ClosedBackFacing | CapMode::ClosedFacing => mesh.closed_cluster_count(),
             CapMode::AllTriangles => 0,
         };
         let open = || mesh.clusters().iter().zip(words).skip(first_open);
@@ -94,19 +94,20 @@ impl Split {
         }
     }
 
-    /// What stands beside a triangle that is considered alone. Closed pieces count only their averted
-    /// triangles. Those are all triangles less the facing ones, so the triangle is paired with one that
-    /// faces.
+    /// What stands beside a triangle that is considered alone. Closed pieces that count only their averted
+    /// triangles count all less the facing ones, so the triangle is paired with one that faces. Where they
+    /// count only their facing triangles, it is paired with one that does not count.
     pub(super) fn beside(self, mesh: &EdgeMesh, slot: usize) -> Side {
-        if self.is_back_only(mesh, slot) {
-            Side::Facing
-        } else {
-            Side::Open
+        match (self.counts_one_kind(mesh, slot), self.mode) {
+            (false, _) => Side::Open,
+            (true, CapMode::ClosedFacing) => Side::Averted,
+            (true, _) => Side::Facing,
         }
     }
 
-    pub(super) fn is_back_only(self, mesh: &EdgeMesh, slot: usize) -> bool {
-        self.mode == CapMode::ClosedBackFacing && slot < mesh.closed_cluster_count() * CLUSTER_TRIANGLES
+    /// Whether only one kind of triangles counts in the piece of the triangle in a slot: the averted or the facing ones.
+    pub(super) fn counts_one_kind(self, mesh: &EdgeMesh, slot: usize) -> bool {
+        self.mode != CapMode::AllTriangles && slot < mesh.closed_cluster_count() * CLUSTER_TRIANGLES
     }
 
     /// Returns the layers of the triangle in a slot; 0 where a short cluster has no triangle.
@@ -121,12 +122,17 @@ impl Split {
 
     /// Returns the layers to which a triangle belongs.
     pub(super) fn layers_of(self, is_facing: bool, is_closed: bool) -> u32 {
-        match (is_closed && self.mode == CapMode::ClosedBackFacing, is_facing) {
-            (true, true) => 0,
-            (true, false) => FACING | AVERTED,
-            (false, _) if !self.is_mixed => FACING | AVERTED,
-            (false, true) => FACING,
-            (false, false) => AVERTED,
+        let counts_alone = match self.mode {
+            CapMode::AllTriangles => None,
+            CapMode::ClosedBackFacing => Some(!is_facing),
+            CapMode::ClosedFacing => Some(is_facing),
+        };
+        match (counts_alone.filter(|_| is_closed), is_facing) {
+            (Some(false), _) => 0,
+            (Some(true), _) => FACING | AVERTED,
+            (None, _) if !self.is_mixed => FACING | AVERTED,
+            (None, true) => FACING,
+            (None, false) => AVERTED,
         }
     }
 }

@@ -179,7 +179,7 @@ impl Extraction<'_> {
                 ends: self.ends(vertices, is_facing),
                 layers: if is_unlike { FACING | AVERTED } else { 0 },
                 soft_layers: FACING | AVERTED,
-                is_closed: self.split.is_back_only(self.mesh, slot),
+                is_closed: self.split.counts_one_kind(self.mesh, slot),
                 sides: if is_facing { sides } else { [sides[1], sides[0]] },
                 patch: 0,
             });
@@ -319,7 +319,7 @@ fn turning_border(ends: [Vec3; 2], slot: usize, is_facing: bool, layers: u32, ot
         ends,
         layers,
         soft_layers: FACING | AVERTED,
-        is_closed: other == Side::Facing,
+        is_closed: other != Side::Open,
         sides: if is_facing { sides } else { [sides[1], sides[0]] },
         patch: 0,
     }

@@ -28,8 +28,14 @@ use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::recorder::{Leaves, Mark, PrepareInput, RecordInput, Recorder};
+<<<<<<< HEAD
 use crate::render::{Gpu, RenderError};
 use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
+=======
+use crate::render::{Gpu, RenderContext, RenderError};
+use crate::sets::FrameLights;
+use crate::silhouettes::{LightSilhouettes, Silhouettes};
+>>>>>>> flat-plates
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
 use crate::techniques::stencil_volume::caster_volume::CasterVolume;
 use crate::techniques::stencil_volume::component::MOST_STACKED;
@@ -89,7 +95,7 @@ pub struct StencilVolumeNode {
 
 /// The key of casters with one silhouette: the mesh, the light in the caster's space bit for bit, and the cap
 /// mode. Casters with equal keys have equal silhouettes.
-type Likeness = (u32, [u32; 4], bool);
+type Likeness = (u32, [u32; 4], u32);
 
 impl StencilVolumeNode {
     /// Compiles the shader. Pipelines are made when a frame needs them.
@@ -223,8 +229,8 @@ impl StencilVolumeNode {
         order.clear();
         order.extend(volumes.iter().enumerate().map(|(at, volume)| {
             let mesh = input.table.mesh[volume.object as usize];
-            let all = known.slots[volume.slot as usize].mode == CapMode::AllTriangles;
-            ((mesh, volume.light_local.to_array().map(f32::to_bits), all), at)
+            let mode = known.slots[volume.slot as usize].mode as u32;
+            ((mesh, volume.light_local.to_array().map(f32::to_bits), mode), at)
         }));
         order.sort_unstable();
         let first = self.draws.len();
