@@ -85,7 +85,8 @@ fn measure(
 /// Number of rows that one task processes.
 const CHUNK: usize = 4096;
 
-/// Recomputes [`WorldBounds`] of objects whose transform or local bounds changed, and marks them as changed.
+/// Recomputes [`WorldBounds`] of objects whose transform or local bounds changed, or that got or lost a [`Skin`], and marks
+/// them as changed.
 ///
 /// Set: `UpdateBounds`, after [`update_local_bounds`]. The system reads whole columns of change ticks, so
 /// that objects at rest cost next to nothing. The bounds of moved objects are computed on all threads. The
@@ -97,7 +98,15 @@ pub fn update_world_bounds(
         &mut WorldBounds,
         Has<Skin>,
     )>,
+    bound: Query<Entity, (Added<Skin>, With<WorldBounds>)>,
+    mut unbound: RemovedComponents<Skin>,
 ) {
+    // What a transform flattens has another matrix with a skin than without.
+    for entity in bound.iter().chain(unbound.read()) {
+        if let Ok((local, transform, mut world, is_skinned)) = objects.get_mut(entity) {
+            *world = world_bounds(&local, &transform, is_skinned);
+        }
+    }
     let Ok(tables) = objects.contiguous_iter_mut() else {
         unreachable!("all three are kept in tables");
     };
@@ -146,10 +155,35 @@ fn world_bounds(local: &LocalBounds, transform: &GlobalTransform, is_skinned: bo
 mod tests {
     use std::sync::Arc;
 
+    use bevy_transform::prelude::Transform;
     use glam::Vec3;
 
     use super::*;
     use crate::scene::MeshData;
+
+    #[test]
+    fn a_skin_that_comes_or_goes_counts_where_a_transform_is_flat() {
+        let mut world = World::new();
+        let mut schedule = Schedule::default();
+        schedule.add_systems(update_world_bounds);
+        let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));
+        let local = LocalBounds(Aabb::around(Vec3::ZERO, Vec3::ONE));
+        let parts = (local, WorldBounds::default(), GlobalTransform::from(flat));
+        let object = world.spawn(parts).id();
+        let mut height = |world: &mut World| {
+            schedule.run(world);
+            world.get::<WorldBounds>(object).map(|bounds| bounds.0.max.y)
+        };
+        let is_flat = |height: Option<f32>| height.is_some_and(|height| height < 0.01);
+        assert!(is_flat(height(&mut world)));
+        world.entity_mut(object).insert(Skin {
+            joints: Vec::new(),
+            inverse_bind: [].into(),
+        });
+        assert_eq!(height(&mut world), Some(1.0), "the joints alone count");
+        world.entity_mut(object).remove::<Skin>();
+        assert!(is_flat(height(&mut world)));
+    }
 
     #[test]
     fn extra_bounds_add_to_those_of_the_mesh_as_long_as_they_are_there() {

@@ -239,7 +239,12 @@ pub fn build_caster_edges(
             Or<(Added<ShadowCaster>, Changed<SceneMesh>, Changed<LeftOutSubmeshes>)>,
         ),
     >,
+    without_planes: Query<Entity, (With<CasterEdges>, With<PosedMesh>, Without<PosedPlanes>)>,
 ) {
+    // A pose may come later than its mesh.
+    for entity in &without_planes {
+        commands.entity(entity).insert(PosedPlanes::default());
+    }
     if !sources.any_changed() {
         return;
     }
@@ -269,12 +274,47 @@ pub fn build_caster_edges(
 pub fn update_posed_planes(
     mut casters: Query<
         (&CasterEdges, &PosedMesh, &mut PosedPlanes),
-        Or<(Changed<PosedMesh>, Changed<CasterEdges>)>,
+        Or<(Changed<PosedMesh>, Changed<CasterEdges>, Added<PosedPlanes>)>,
     >,
 ) {
     for (edges, posed, mut planes) in &mut casters {
         if posed.positions.len() >= edges.0.edges.vertex_count() {
             compute_posed_planes(&edges.0.edges, &posed.positions, &mut planes.0);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_that_comes_after_its_mesh_has_planes() {
+        let mut world = World::new();
+        world.init_resource::<CasterMeshes>();
+        let mut schedule = Schedule::default();
+        schedule.add_systems((build_caster_edges, update_posed_planes).chain());
+        let mesh = Arc::new(MeshData::cuboid(Vec3::ONE));
+        let posed = PosedMesh {
+            positions: mesh
+                .positions
+                .iter()
+                .map(|at| Vec3::new(at.x + at.y, at.y, at.z))
+                .collect(),
+            ..PosedMesh::default()
+        };
+        let caster = (SceneMesh(mesh), ShadowCaster);
+        let late = world.spawn(caster.clone()).id();
+        schedule.run(&mut world);
+        let early = world.spawn((caster, posed.clone())).id();
+        world.entity_mut(late).insert(posed);
+        schedule.run(&mut world);
+        let planes = |entity| {
+            world
+                .get::<PosedPlanes>(entity)
+                .map(|planes| format!("{planes:?}"))
+        };
+        assert!(planes(early).is_some());
+        assert_eq!(planes(late), planes(early));
     }
 }

@@ -7,6 +7,7 @@ mod blended_order;
 mod blended_receivers;
 mod clearcoat;
 mod cpu_gpu_parity;
+mod edits;
 mod faults;
 mod harness;
 mod hosted;

@@ -26,7 +26,7 @@ pub struct Cells {
     /// Objects that are in no cell.
     pub(super) loose: FixedBitSet,
     layout: u64,
-    counts: [usize; 3],
+    counts: [usize; 4],
 }
 
 /// What is wrong with a cell or a portal, and how it is treated instead.
@@ -203,6 +203,7 @@ pub struct CellParts<'w, 's> {
     >,
     portals: Query<'w, 's, (Entity, &'static Portal, &'static GlobalTransform)>,
     lists: Query<'w, 's, &'static InCells>,
+    layered: Query<'w, 's, (), (With<Cell>, With<SelectionLayers>)>,
     changed: Query<
         'w,
         's,
@@ -227,8 +228,9 @@ pub fn collect_cells(mut cells: ResMut<Cells>, objects: Res<Objects>, parts: Cel
         parts.cells.iter().len(),
         parts.portals.iter().len(),
         parts.lists.iter().len(),
+        parts.layered.iter().len(),
     ];
-    if counts == [0; 3] && cells.counts == counts {
+    if counts == [0; 4] && cells.counts == counts {
         return; // a world without cells
     }
     let cells = &mut *cells;
@@ -317,5 +319,26 @@ impl Cells {
             loose &= !inside;
         }
         self.loose.set(object, loose);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_that_loses_its_layers_is_collected_again() {
+        let mut world = World::new();
+        world.init_resource::<Cells>();
+        world.init_resource::<Objects>();
+        let mut schedule = Schedule::default();
+        schedule.add_systems(collect_cells);
+        let half_size = glam::Vec3::ONE;
+        let cell = world.spawn((Cell { half_size }, SelectionLayers(2))).id();
+        schedule.run(&mut world);
+        assert!(!world.resource::<Cells>().cast_for(1));
+        world.entity_mut(cell).remove::<SelectionLayers>();
+        schedule.run(&mut world);
+        assert!(world.resource::<Cells>().cast_for(1), "it is on layer 0 again");
     }
 }
