@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
-use glam::DMat4;
 
 use super::frame::draw_list::DrawListBuilder;
 use super::frame::frame_data::{ActiveLight, FrameData};
@@ -32,6 +31,7 @@ use super::nodes::tonemap::Tonemap;
 use super::pools::gpu_types;
 use super::pools::materials::MaterialPool;
 use super::pools::meshes::{MeshPool, OversizedMesh};
+use super::pools::object_rows::ObjectView;
 use super::pools::objects::ObjectTable;
 use super::recorder::{Leaves, Recorder};
 use super::recorders::Recorders;
@@ -53,7 +53,8 @@ pub struct Renderer {
     pub(super) materials: MaterialPool,
     pub(super) table: ObjectTable,
     pub(super) table_generation: Option<u64>,
-    pub(super) last_clip_from_world: Option<DMat4>,
+    /// The layout of the objects, and the view, of the matrices on the device.
+    pub(super) matrices_of: Option<(u64, ObjectView)>,
     /// True after a frame that failed: what changed in it has not reached the GPU.
     pub(super) has_missed_changes: bool,
     pub(super) view_buffer: wgpu::Buffer,
@@ -128,7 +129,7 @@ impl Renderer {
             materials: MaterialPool::default(),
             table: ObjectTable::default(),
             table_generation: None,
-            last_clip_from_world: None,
+            matrices_of: None,
             has_missed_changes: false,
             view_group: bind_view(&gpu, &view_buffer, &objects.buffer),
             light_group: bind_lights(&gpu, &lights),

@@ -98,30 +98,73 @@ impl Appearances<'_, '_> {
     }
 }
 
-/// The number of frames in which a mesh or a list of materials was added or exchanged. Written by [`count_appearances`].
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct AppearanceCount(u64);
+/// The last frame in which meshes or lists of materials were added or exchanged. Written by [`count_appearances`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct AppearanceCount {
+    /// Number of such frames so far.
+    frames: u64,
+    /// The entities of the last such frame, each once.
+    exchanged: Vec<Entity>,
+}
 
-/// Looks once a frame whether the appearance of an object changed, for all systems that collect appearances.
+/// Looks once a frame which objects got another appearance, for all systems that collect appearances.
 ///
-/// Set: `CollectSets`, first. Cost: two columns of change ticks.
-pub fn count_appearances(mut count: ResMut<AppearanceCount>, appearances: Appearances) {
+/// Set: `CollectSets`, first. Cost: two columns of change ticks, and a list of the entities whose appearance changed.
+pub fn count_appearances(
+    mut count: ResMut<AppearanceCount>,
+    appearances: Appearances,
+    exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+) {
     if appearances.any_changed() {
-        count.0 += 1;
+        count.frames += 1;
+        count.exchanged.clear();
+        count.exchanged.extend(&exchanged);
     }
 }
 
-/// Tells a system whether appearances changed since it last asked. A change after [`count_appearances`] is seen a frame later.
+/// Tells a system whose appearances changed since it last asked. A change after [`count_appearances`] is seen a frame later.
 #[derive(SystemParam)]
 pub struct NewAppearances<'w, 's> {
     count: Res<'w, AppearanceCount>,
-    seen: Local<'s, AppearanceCount>,
+    seen: Local<'s, u64>,
+}
+
+/// The objects whose mesh or list of materials was added or exchanged since a system last asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exchanges<'a> {
+    /// These objects and no others; often none.
+    Of(&'a [Entity]),
+    /// The system missed a frame with exchanges, so it may be any object.
+    Unknown,
+}
+
+/// Number of objects up to which a sorted list is brought up to date object by object.
+const FEW: usize = 32;
+
+impl<'a> Exchanges<'a> {
+    /// Whether nothing was exchanged.
+    pub(crate) fn is_none(self) -> bool {
+        self == Self::Of(&[])
+    }
+
+    /// The objects, if they are so few that each of them can be looked up in a sorted list.
+    pub(crate) fn few(self) -> Option<&'a [Entity]> {
+        match self {
+            Self::Of(entities) if entities.len() <= FEW => Some(entities),
+            _ => None,
+        }
+    }
 }
 
 impl NewAppearances<'_, '_> {
-    /// Whether a mesh or a list of materials was added or exchanged since the last call.
-    pub(crate) fn take(&mut self) -> bool {
-        std::mem::replace(&mut *self.seen, *self.count) != *self.count
+    /// The objects whose mesh or list of materials was added or exchanged since the last call.
+    pub(crate) fn take(&mut self) -> Exchanges<'_> {
+        let frames = self.count.frames;
+        match frames.wrapping_sub(std::mem::replace(&mut *self.seen, frames)) {
+            0 => Exchanges::Of(&[]),
+            1 => Exchanges::Of(&self.count.exchanged),
+            _ => Exchanges::Unknown,
+        }
     }
 }
 
@@ -149,5 +192,49 @@ mod tests {
                 assert_eq!(blocks, if mask == 0 { vec![] } else { vec![(0, mask)] });
             }
         }
+    }
+
+    #[test]
+    fn a_system_that_misses_an_exchange_knows_that_it_did() {
+        #[derive(Resource, Default)]
+        struct Seen(Vec<Option<Vec<Entity>>>);
+        let look = |mut appearances: NewAppearances, mut seen: ResMut<Seen>| {
+            seen.0.push(match appearances.take() {
+                Exchanges::Of(entities) => Some(entities.to_vec()),
+                Exchanges::Unknown => None,
+            });
+        };
+        let mut world = World::new();
+        world.init_resource::<AppearanceCount>();
+        world.init_resource::<Seen>();
+        let (mut count, mut ask) = (Schedule::default(), Schedule::default());
+        count.add_systems(count_appearances);
+        ask.add_systems(look);
+        let looks = || SceneMaterials(Default::default());
+        let [first, second] = [(); 2].map(|()| world.spawn(looks()).id());
+        let mut frame = |world: &mut World, asks: bool| {
+            count.run(world);
+            if asks {
+                ask.run(world);
+            }
+        };
+        frame(&mut world, true);
+        frame(&mut world, true);
+        *world.get_mut::<SceneMaterials>(second).unwrap() = looks();
+        frame(&mut world, false);
+        frame(&mut world, true); // the list outlives frames without exchanges
+        for entity in [first, second] {
+            *world.get_mut::<SceneMaterials>(entity).unwrap() = looks();
+            frame(&mut world, false);
+        }
+        frame(&mut world, true);
+        frame(&mut world, true);
+        let seen = &world.resource::<Seen>().0;
+        let mut all = seen[0].clone().unwrap();
+        all.sort_unstable();
+        let mut both = vec![first, second];
+        both.sort_unstable();
+        assert_eq!(all, both);
+        assert_eq!(seen[1..], [Some(vec![]), Some(vec![second]), None, Some(vec![])]);
     }
 }

@@ -1,6 +1,8 @@
 //! Geometry, sets, silhouettes, schedule and the ray caster: everything that needs neither a GPU nor a file.
 
 mod commands;
+#[cfg(feature = "reference")]
+mod exchanged_looks;
 mod import_circles;
 mod inverted_hulls;
 mod invisible;

@@ -18,6 +18,7 @@ mod light_model;
 mod light_textures;
 mod maps;
 mod mask_contract;
+mod moved_objects;
 mod occlusion_interval;
 mod occlusion_pictures;
 mod occlusion_texture;

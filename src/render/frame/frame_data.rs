@@ -128,6 +128,17 @@ impl ActiveLight {
     }
 }
 
+/// How many matrices of objects a frame took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MatrixWork {
+    /// Number of objects whose matrices were computed.
+    pub computed: usize,
+    /// Number of objects whose matrices were uploaded, at 128 bytes each. It may be more than were computed.
+    pub uploaded: usize,
+    /// Number of calls that uploaded them.
+    pub uploads: usize,
+}
+
 /// The data that changes every frame. Its memory is kept.
 #[derive(Debug, Default)]
 pub struct FrameData {
@@ -157,6 +168,8 @@ pub struct FrameData {
     pub viewport: Viewport,
     /// True if there is a view to draw.
     pub has_view: bool,
+    /// The matrices of objects that the frame computed and uploaded.
+    pub matrices: MatrixWork,
     /// Scratch memory for sorting blended surfaces: the key of the distance, the object, and the index of the
     /// item within the object.
     pub blended_order: Vec<(u32, u32, u32)>,

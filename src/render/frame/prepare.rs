@@ -3,49 +3,55 @@
 use bevy_ecs::prelude::*;
 use glam::{DMat4, UVec2};
 
-use super::frame_data::Viewport;
+use super::frame_data::{MatrixWork, Viewport};
 use crate::render::RenderError;
 use crate::render::pools::gpu_types;
-use crate::render::pools::objects::NO_MESH;
+use crate::render::pools::object_rows::{ObjectParts, ObjectView};
+use crate::render::pools::objects::{Looks, NO_MESH};
 use crate::render::recorder::PrepareInput;
 use crate::render::renderer::Renderer;
-use crate::scene::changes::NewAppearances;
-use crate::scene::placement::Placement;
-use crate::scene::{PosedMesh, SceneMaterials, SceneMesh, SurfaceWeights};
+use crate::scene::PosedMesh;
+use crate::scene::changes::{Exchanges, NewAppearances};
 use crate::sets::{FrameLights, Objects, View, ViewData, ViewportSize};
 
 /// Uploads the meshes, materials and matrices that changed, sizes the targets, and resets the state of the
 /// last frame.
 ///
-/// Set: `PrepareGpu`, first. Reads [`Objects`], [`View`]; writes [`Renderer`].
+/// Set: `PrepareGpu`, first. Reads [`Objects`], [`View`]; writes [`Renderer`]. Cost: the matrices of all objects for another
+/// view, on all threads, and otherwise of those that moved; the meshes and materials of all objects where one came or went, and
+/// otherwise of those that exchanged theirs.
 pub fn prepare_objects(
     mut renderer: ResMut<Renderer>,
     objects: Res<Objects>,
     view: Res<View>,
     viewport: Res<ViewportSize>,
-    appearance: Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
+    looks: Query<Looks>,
     mut appearances: NewAppearances,
     posed: Query<(Entity, Ref<PosedMesh>)>,
-    places: Query<Placement>,
-    (weights, weights_changed): (Query<&SurfaceWeights>, Query<(), Changed<SurfaceWeights>>),
-    mut weights_removed: RemovedComponents<SurfaceWeights>,
+    mut parts: ObjectParts,
 ) {
+    // A renderer that was elsewhere for some frames has missed what changed in them.
+    let was_away = renderer.is_added();
     let renderer = renderer.as_mut();
+    renderer.frame.matrices = MatrixWork::default();
     if let Err(error) = begin_frame(renderer, &view, viewport.0) {
         renderer.failure = Some(error);
         renderer.has_missed_changes = true;
         return;
     }
-    let missed = std::mem::take(&mut renderer.has_missed_changes);
-    let rebuilt = appearances.take() || missed || renderer.table_generation != Some(objects.flags_generation);
-    if rebuilt {
-        renderer.table.rebuild(
-            &renderer.gpu,
-            &objects,
-            &appearance,
-            &mut renderer.meshes,
-            &mut renderer.materials,
-        );
+    let missed = std::mem::take(&mut renderer.has_missed_changes) || was_away;
+    let exchanged = match appearances.take() {
+        Exchanges::Of(entities) if !missed => Some(entities),
+        _ => None,
+    };
+    let same_objects = renderer.table_generation == Some(objects.flags_generation);
+    let exchanged = exchanged.filter(|_| same_objects);
+    let (table, meshes, materials) = (&mut renderer.table, &mut renderer.meshes, &mut renderer.materials);
+    let gpu = &renderer.gpu;
+    let suffices =
+        exchanged.is_some_and(|some| table.exchange(gpu, &objects, some, &looks, meshes, materials));
+    if !suffices {
+        table.rebuild(gpu, &objects, &looks, meshes, materials);
         renderer.table_generation = Some(objects.flags_generation);
     }
     for (entity, pose) in posed.iter().filter(|(_, pose)| missed || pose.is_changed()) {
@@ -57,28 +63,26 @@ pub fn prepare_objects(
         }
     }
     let Some(current) = &view.data else {
-        renderer.last_clip_from_world = None; // the next view needs all matrices again
+        renderer.matrices_of = None; // the next view needs all matrices again
         return;
     };
     renderer.frame.has_view = true;
-    let reweighted = weights_removed.read().count() > 0 || !weights_changed.is_empty();
-    let still = !rebuilt
-        && !reweighted
-        && renderer.last_clip_from_world == Some(current.clip_from_world)
-        && objects.moved.is_clear();
-    if !still {
-        let (clip_from_world, eye) = (current.clip_from_world, current.eye);
-        renderer
-            .table
-            .update_constants(&objects.entities, &places, &weights, clip_from_world, eye);
-        if let Err(error) = renderer.write_objects() {
-            renderer.failure = Some(error);
-            renderer.frame.has_view = false;
-            renderer.last_clip_from_world = None; // the next frame needs all matrices again
-            return;
-        }
-        renderer.last_clip_from_world = Some(clip_from_world);
+    let object_view = ObjectView {
+        clip_from_world: current.clip_from_world,
+        eye_world: current.eye,
+    };
+    let matrices_of = Some((objects.layout_generation, object_view));
+    let is_new = missed || renderer.matrices_of != matrices_of;
+    renderer
+        .table
+        .update_constants(&objects, &mut parts, object_view, is_new);
+    if let Err(error) = renderer.write_objects(is_new) {
+        renderer.failure = Some(error);
+        renderer.frame.has_view = false;
+        renderer.matrices_of = None; // the next frame needs all matrices again
+        return;
     }
+    renderer.matrices_of = matrices_of;
     write_view(renderer, current);
 }
 

@@ -4,10 +4,16 @@ use glam::UVec2;
 
 use super::frame_data::ActiveLight;
 use super::targets::{FrameTargets, MaskTargets, RadianceTarget};
+use crate::render::gpu::runs::joined;
 use crate::render::nodes::host_weights::HostWeights;
 use crate::render::nodes::light_function::StencilToMask;
+use crate::render::pools::gpu_types;
 use crate::render::renderer::{Renderer, bind_lights, bind_view};
 use crate::render::{Gpu, RenderError};
+
+/// Objects whose constants did not change are uploaded with their neighbours if there are at most this many in a row, which
+/// makes 8 kilobytes.
+const SMALL_GAP: usize = 64;
 
 impl Renderer {
     /// Makes the targets of a size, unless they are there.
@@ -64,13 +70,28 @@ impl Renderer {
         Ok(())
     }
 
-    /// Uploads the constants of all objects.
+    /// Uploads the constants of all objects, or of those that changed and a few between them.
     ///
     /// # Errors
     /// [`RenderError::Limit`] if the device cannot bind so many.
-    pub(super) fn write_objects(&mut self) -> Result<(), RenderError> {
-        let bytes: &[u8] = bytemuck::cast_slice(self.table.constants());
-        let limits = self.gpu.context.device.limits();
+    pub(super) fn write_objects(&mut self, all: bool) -> Result<(), RenderError> {
+        let rows = self.table.constants();
+        let work = &mut self.frame.matrices;
+        work.computed = self.table.changed.count_ones(..);
+        let context = &self.gpu.context;
+        if !all {
+            let changed = self.table.changed.ones().map(|object| object..object + 1);
+            for run in joined(changed, SMALL_GAP) {
+                work.uploaded += run.len();
+                work.uploads += 1;
+                let offset = (run.start * size_of::<gpu_types::Object>()) as u64;
+                let bytes = bytemuck::cast_slice(&rows[run]);
+                context.queue.write_buffer(&self.objects.buffer, offset, bytes);
+            }
+            return Ok(());
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(rows);
+        let limits = context.device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         if bytes.len() as u64 > limit {
             return Err(RenderError::Limit {
@@ -79,7 +100,8 @@ impl Renderer {
                 limit,
             });
         }
-        if self.objects.write(&self.gpu.context, bytes) {
+        (work.uploaded, work.uploads) = (rows.len(), 1);
+        if self.objects.write(context, bytes) {
             self.view_group = bind_view(&self.gpu, &self.view_buffer, &self.objects.buffer);
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Tools on top of wgpu that know nothing of scenes and frames: buffers that grow, slots, bind groups,
+//! Tools on top of wgpu that know nothing of scenes and frames: buffers that grow, ranges, slots, bind groups,
 //! timings, read-back.
 
 pub(crate) mod bind_groups;
@@ -7,6 +7,7 @@ pub(crate) mod kept;
 pub(crate) mod mipmaps;
 pub(crate) mod pipeline_cache;
 pub mod readback;
+pub(crate) mod runs;
 pub(crate) mod slots;
 pub(crate) mod stencil_only;
 pub(crate) mod strided;

@@ -71,6 +71,15 @@ impl<K: Copy + Eq + Hash, T> Slots<K, T> {
             }
         }
     }
+
+    /// Frees the entries that are not among `indices`.
+    pub fn keep(&mut self, indices: impl Iterator<Item = u32>) {
+        self.begin();
+        for index in indices {
+            self.used[index as usize] = true;
+        }
+        self.end();
+    }
 }
 
 #[cfg(test)]
@@ -88,6 +97,16 @@ mod tests {
         slots.end();
         assert_eq!((slots.get(a), slots.get(b)), (Some(&1), None));
         assert_eq!(slots.insert('c', 3), b);
+    }
+
+    #[test]
+    fn what_is_not_kept_is_freed() {
+        let mut slots = Slots::default();
+        let (a, b) = (slots.insert('a', 1), slots.insert('b', 2));
+        slots.keep([b].into_iter());
+        assert_eq!((slots.get(a), slots.get(b)), (None, Some(&2)));
+        assert_eq!(slots.acquire('a', |_| true), None);
+        assert_eq!(slots.acquire('b', |_| true), Some(b));
     }
 
     #[test]

@@ -160,6 +160,12 @@ impl MaterialPool {
         gpu.materials.forget_unused();
     }
 
+    /// Frees the materials that are not among `indices`.
+    pub fn keep(&mut self, gpu: &Gpu, indices: impl Iterator<Item = u32>) {
+        self.slots.keep(indices);
+        gpu.materials.forget_unused();
+    }
+
     /// Returns the index of a material. The material is uploaded if no view has it yet.
     pub fn acquire(&mut self, gpu: &Gpu, material: &Arc<Material>) -> u32 {
         let address = Arc::as_ptr(material) as usize;

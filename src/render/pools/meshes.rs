@@ -141,6 +141,12 @@ impl MeshPool {
         gpu.meshes.forget_unused();
     }
 
+    /// Frees the meshes that are not among `indices`.
+    pub fn keep(&mut self, gpu: &Gpu, indices: impl Iterator<Item = u32>) {
+        self.slots.keep(indices);
+        gpu.meshes.forget_unused();
+    }
+
     /// Returns the index of an object's mesh. The mesh is uploaded if it is new. Returns `None` for a mesh
     /// without triangles, and for a mesh that the device cannot hold.
     pub fn acquire(

@@ -10,8 +10,7 @@ use super::gpu_types;
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use crate::render::Gpu;
-use crate::scene::placement::Placement;
-use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh, SurfaceWeights};
+use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{Objects, ViewData};
 
 /// One submesh of one object, with its material. A draw draws one item, or several equal ones.
@@ -31,6 +30,13 @@ pub struct Item {
     pub coated: bool,
 }
 
+/// The components of an object that decide what is drawn of it.
+pub type Looks = (
+    &'static SceneMesh,
+    Option<&'static SceneMaterials>,
+    Option<&'static PosedMesh>,
+);
+
 /// The mesh index of an object that is not drawn.
 pub const NO_MESH: u32 = u32::MAX;
 
@@ -47,9 +53,15 @@ pub struct ObjectTable {
     pub handedness: Vec<f32>,
     /// The objects with [`SurfaceWeights`].
     pub weighted: FixedBitSet,
+<<<<<<< HEAD
     /// Increases when meshes and materials were looked up again, so that any index may differ.
     pub generation: u64,
     constants: Vec<gpu_types::Object>,
+=======
+    /// The objects whose constants were computed in the last update.
+    pub changed: FixedBitSet,
+    pub(super) constants: Vec<gpu_types::Object>,
+>>>>>>> move
 }
 
 /// Returns the distance of a place from the eye, metres, along the lines of sight if these are parallel. The place is relative
@@ -82,12 +94,12 @@ impl ObjectTable {
     }
 
     /// Looks up the meshes and materials of all objects, uploads new ones and frees unused ones. This is
-    /// needed when objects come and go, or when they exchange a mesh or material.
+    /// needed when objects come and go, and where [`ObjectTable::exchange`] does not suffice.
     pub fn rebuild(
         &mut self,
         gpu: &Gpu,
         objects: &Objects,
-        appearance: &Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
+        looks: &Query<Looks>,
         meshes: &mut MeshPool,
         materials: &mut MaterialPool,
     ) {
@@ -99,80 +111,91 @@ impl ObjectTable {
         materials.begin();
         for &entity in &objects.entities {
             let first = self.items.len() as u32;
-            let mut mesh_index = NO_MESH;
-            if let Ok((mesh, object_materials, posed)) = appearance.get(entity) {
-                mesh_index = meshes.acquire(gpu, entity, &mesh.0, posed).unwrap_or(NO_MESH);
-                for (submesh, part) in mesh.0.submeshes.iter().enumerate() {
-                    let Some(material) = object_materials.and_then(|materials| materials.0.get(submesh))
-                    else {
-                        continue;
-                    };
-                    if part.index_count == 0 || mesh_index == NO_MESH {
-                        continue;
-                    }
-                    self.items.push(Item {
-                        submesh: submesh as u32,
-                        material: materials.acquire(gpu, material),
-                        blended: material.alpha_mode == AlphaMode::Blend,
-                        double_sided: material.double_sided,
-                        unlit: material.unlit,
-                        coated: material.is_coated(),
-                    });
-                }
-            }
-            self.mesh.push(mesh_index);
+            let mesh = self.push_items(gpu, entity, looks, meshes, materials);
+            self.mesh.push(mesh);
             self.item_range.push(first..self.items.len() as u32);
         }
         meshes.end(gpu);
         materials.end(gpu);
     }
 
+    /// Looks up the meshes and materials of some objects again, uploads new ones and frees unused ones. Returns `false` if an
+    /// object has another number of items than before, or if there is an object that cannot be drawn; then a
+    /// [`rebuild`](Self::rebuild) is needed.
+    pub fn exchange(
+        &mut self,
+        gpu: &Gpu,
+        objects: &Objects,
+        exchanged: &[Entity],
+        looks: &Query<Looks>,
+        meshes: &mut MeshPool,
+        materials: &mut MaterialPool,
+    ) -> bool {
+        if exchanged.is_empty() {
+            return true;
+        }
+        if !meshes.oversized.is_empty() {
+            return false; // the list names all of them
+        }
+        let known = exchanged.iter().filter_map(|&entity| objects.index_of(entity));
+        let mut rows: Vec<usize> = known.collect();
+        rows.sort_unstable(); // new meshes and materials are numbered as in a rebuild
+        let mut new_mesh = false;
+        for object in rows {
+            let (range, end) = (self.item_range[object].clone(), self.items.len());
+            let mesh = self.push_items(gpu, objects.entities[object], looks, meshes, materials);
+            let is_like = mesh != NO_MESH && self.items.len() - end == range.len();
+            if is_like {
+                self.items.copy_within(end.., range.start as usize);
+            }
+            self.items.truncate(end);
+            if !is_like {
+                return false;
+            }
+            new_mesh |= std::mem::replace(&mut self.mesh[object], mesh) != mesh;
+        }
+        if new_mesh {
+            meshes.keep(gpu, self.mesh.iter().copied().filter(|mesh| *mesh != NO_MESH));
+        }
+        materials.keep(gpu, self.items.iter().map(|item| item.material));
+        true
+    }
+
+    /// Appends the items of an object, and returns the index of its mesh, or [`NO_MESH`].
+    fn push_items(
+        &mut self,
+        gpu: &Gpu,
+        entity: Entity,
+        looks: &Query<Looks>,
+        meshes: &mut MeshPool,
+        materials: &mut MaterialPool,
+    ) -> u32 {
+        let Ok((mesh, object_materials, posed)) = looks.get(entity) else {
+            return NO_MESH;
+        };
+        let Some(mesh_index) = meshes.acquire(gpu, entity, &mesh.0, posed) else {
+            return NO_MESH;
+        };
+        let object_materials = object_materials.map_or(&[][..], |materials| &materials.0);
+        for ((part, material), submesh) in mesh.0.submeshes.iter().zip(object_materials).zip(0..) {
+            if part.index_count != 0 {
+                self.items.push(Item {
+                    submesh,
+                    material: materials.acquire(gpu, material),
+                    blended: material.alpha_mode == AlphaMode::Blend,
+                    double_sided: material.double_sided,
+                    unlit: material.unlit,
+                    coated: material.is_coated(),
+                });
+            }
+        }
+        mesh_index
+    }
+
     /// Returns the items of one object.
     pub fn items_of(&self, object: usize) -> &[Item] {
         let range = &self.item_range[object];
         &self.items[range.start as usize..range.end as usize]
-    }
-
-    /// Computes the matrices of all objects for this view, in f64.
-    ///
-    /// World positions are made relative to the eye before they are rounded. So a scene far from the world's
-    /// origin is shaded and depth-tested as exactly as a scene near the origin.
-    pub fn update_constants(
-        &mut self,
-        entities: &[Entity],
-        places: &Query<Placement>,
-        weights: &Query<&SurfaceWeights>,
-        clip_from_world: DMat4,
-        eye_world: DVec3,
-    ) {
-        self.constants.clear();
-        self.handedness.clear();
-        self.weighted.clear();
-        self.weighted.grow(entities.len());
-        for (index, &entity) in entities.iter().enumerate() {
-            let place = places.get(entity).ok();
-            let world_from_local = place
-                .and_then(|place| place.world_from_local())
-                .unwrap_or(DMat4::ZERO);
-            let handedness = world_from_local.determinant().signum() as f32;
-            let usable = world_from_local.is_finite() && handedness != 0.0;
-            self.handedness.push(if usable { handedness } else { 0.0 });
-            self.constants.push(if usable {
-                object_constants(world_from_local, clip_from_world, eye_world)
-            } else {
-                gpu_types::Object::default()
-            });
-            if let Ok(weights) = weights.get(entity)
-                && *weights != SurfaceWeights::default()
-            {
-                let constants = &mut self.constants[index].handedness;
-                constants[1..].copy_from_slice(&weights.to_vec3().to_array());
-                self.weighted.insert(index);
-            }
-        }
-        if self.constants.is_empty() {
-            self.constants.push(gpu_types::Object::default());
-        }
     }
 }
 

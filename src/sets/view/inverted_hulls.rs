@@ -96,8 +96,8 @@ impl Inverted {
 
 /// Finds the casters and submeshes that are left out under [`CulledCasters::LeaveOut`].
 ///
-/// Set: `CollectSets`, after the view and before the objects. Cost: all casters where one came, went or exchanged its
-/// mesh or material; the hulls alone in other frames. A mesh is examined once, and a surface of it only if its volume is
+/// Set: `CollectSets`, after the view and before the objects. Cost: all casters where one came or went, those that exchanged
+/// their mesh or material, and the hulls in every frame. A mesh is examined once, and a surface of it only if its volume is
 /// negative.
 pub fn find_inverted_hulls(
     mut found: ResMut<InvertedHulls>,
@@ -111,16 +111,31 @@ pub fn find_inverted_hulls(
 ) {
     let found = &mut *found;
     let now = Some((churn.0, *culling, *setting));
-    if appearances.take() || found.seen != now {
+    let exchanges = appearances.take();
+    let same_casters = found.seen == now;
+    if !same_casters || !exchanges.is_none() {
+        let are_culled = *culling == FaceCulling::SingleSided && *setting == CulledCasters::LeaveOut;
         let mut hulls = std::mem::take(&mut found.hulls);
-        hulls.clear();
         found.meshes.retain(|_, (mesh, _)| mesh.strong_count() > 0);
-        if *culling == FaceCulling::SingleSided && *setting == CulledCasters::LeaveOut {
-            for (entity, mesh, materials) in &casters {
-                hulls.extend(found.hull(&mesh.0, materials).map(|parts| (entity, parts)));
+        let mut hull_of = |(entity, mesh, materials): (Entity, &SceneMesh, &SceneMaterials)| {
+            let parts = are_culled.then(|| found.hull(&mesh.0, materials))?;
+            parts.map(|parts| (entity, parts))
+        };
+        if let Some(entities) = exchanges.few().filter(|_| same_casters) {
+            for &entity in entities {
+                let at = hulls.partition_point(|(listed, _)| *listed < entity);
+                if hulls.get(at).is_some_and(|(listed, _)| *listed == entity) {
+                    hulls.remove(at);
+                }
+                if let Some(hull) = casters.get(entity).ok().and_then(&mut hull_of) {
+                    hulls.insert(at, hull);
+                }
             }
+        } else {
+            hulls.clear();
+            hulls.extend(casters.iter().filter_map(hull_of));
+            hulls.sort_unstable();
         }
-        hulls.sort_unstable();
         found.hulls = hulls;
     }
     let eye = view.data.as_ref().map(|view| view.eye.as_vec3());

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
 use crate::geometry::Aabb;
-use crate::scene::changes::NewAppearances;
+use crate::scene::changes::{Exchanges, NewAppearances};
 use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::index::objects::resize;
 use crate::sets::{Objects, Touch, View};
@@ -27,7 +27,8 @@ pub struct SeeThrough {
 
 /// Collects [`SeeThrough`] and [`SeenInto`].
 ///
-/// Set: `CollectSets`, after the objects and the view. Cost: all clusters; nothing in a frame at rest.
+/// Set: `CollectSets`, after the objects and the view. Cost: all clusters, and the objects whose mesh or material was
+/// exchanged, or all if one came or went; nothing in a frame at rest.
 pub fn collect_seen_into(
     mut seen_into: ResMut<SeenInto>,
     mut see_through: ResMut<SeeThrough>,
@@ -38,25 +39,35 @@ pub fn collect_seen_into(
     mut last_view: Local<Option<u64>>,
 ) {
     let generation = Some((objects.layout_generation, objects.flags_generation));
-    let rebuilt = appearances.take() || see_through.generation != generation;
-    if !rebuilt && last_view.replace(view.generation) == Some(view.generation) && objects.moved.is_clear() {
+    let exchanges = appearances.take();
+    let rebuilt = see_through.generation != generation || exchanges == Exchanges::Unknown;
+    let unchanged = !rebuilt && exchanges.is_none();
+    if unchanged && last_view.replace(view.generation) == Some(view.generation) && objects.moved.is_clear() {
         return; // no input changed
     }
     *last_view = Some(view.generation);
+    let see_through = &mut *see_through;
     if rebuilt {
         see_through.generation = generation;
         resize(&mut see_through.objects, objects.len());
         resize(&mut see_through.two_sided, objects.len());
-        for (object, &entity) in objects.entities.iter().enumerate() {
-            let (opaque, two_sided) = appearance
-                .get(entity)
+    }
+    let look = |object: usize| {
+        let (opaque, two_sided) =
+            appearance
+                .get(objects.entities[object])
                 .map_or((false, false), |(mesh, materials)| {
                     let two_sided = materials.0.iter().all(|material| material.double_sided);
                     (materials.are_opaque(&mesh.0), two_sided)
                 });
-            see_through.objects.set(object, !opaque);
-            see_through.two_sided.set(object, two_sided);
-        }
+        see_through.objects.set(object, !opaque);
+        see_through.two_sided.set(object, two_sided);
+    };
+    if let (Exchanges::Of(entities), false) = (exchanges, rebuilt) {
+        let known = entities.iter().filter_map(|&entity| objects.index_of(entity));
+        known.for_each(look);
+    } else {
+        (0..objects.len()).for_each(look);
     }
     seen_into.0.clone_from(&see_through.objects);
     let Some(view) = &view.data else {

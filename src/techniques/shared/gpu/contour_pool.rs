@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use offset_allocator::{Allocation, Allocator};
 
 use crate::render::gpu::buffers::GrowingBuffer;
+use crate::render::gpu::runs::joined;
 use crate::render::{RenderContext, RenderError};
 use crate::silhouettes::{Contour, Silhouettes};
 
@@ -72,6 +73,19 @@ impl std::fmt::Debug for ContourPool {
     }
 }
 
+/// Elements on their way to the buffer, in two parts.
+struct Placed<'a, T> {
+    /// Index of the first element in the buffer.
+    first: usize,
+    parts: [&'a [T]; 2],
+}
+
+impl<T> Placed<'_, T> {
+    fn range(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.parts[0].len() + self.parts[1].len()
+    }
+}
+
 /// A buffer whose elements are allocated in ranges.
 struct Arena {
     buffer: GrowingBuffer,
@@ -105,24 +119,41 @@ impl Arena {
         }
     }
 
-    /// Writes elements to a new range, one part after the other. Returns `None` if there is no room.
-    fn put<T: bytemuck::Pod>(
+    /// Allocates a range for the parts, and notes that they go there, one after the other. Returns `None` if there is no room.
+    fn place<'a, T: bytemuck::Pod>(
         &mut self,
-        context: &RenderContext,
-        parts: [&[T]; 2],
+        parts: [&'a [T]; 2],
+        placed: &mut Vec<Placed<'a, T>>,
     ) -> Option<Option<Allocation>> {
         let count = parts[0].len() + parts[1].len();
         if count == 0 {
             return Some(None);
         }
         let allocation = self.allocator.allocate(u32::try_from(count).ok()?)?;
-        let mut offset = u64::from(allocation.offset) * self.element_size;
-        for part in parts.into_iter().filter(|part| !part.is_empty()) {
-            let bytes: &[u8] = bytemuck::cast_slice(part);
-            context.queue.write_buffer(&self.buffer.buffer, offset, bytes);
-            offset += bytes.len() as u64;
-        }
+        let first = allocation.offset as usize;
+        placed.push(Placed { first, parts });
         Some(Some(allocation))
+    }
+
+    /// Uploads everything that was placed, neighbours together.
+    fn write<T: bytemuck::Pod>(&self, context: &RenderContext, mut placed: Vec<Placed<T>>) {
+        placed.sort_unstable_by_key(|placed| placed.first);
+        let mut rest = placed.iter();
+        let mut elements: Vec<T> = Vec::new();
+        for run in joined(placed.iter().map(Placed::range), 0) {
+            elements.clear();
+            while elements.len() < run.len()
+                && let Some(placed) = rest.next()
+            {
+                placed
+                    .parts
+                    .iter()
+                    .for_each(|part| elements.extend_from_slice(part));
+            }
+            let offset = run.start as u64 * self.element_size;
+            let bytes: &[u8] = bytemuck::cast_slice(&elements);
+            context.queue.write_buffer(&self.buffer.buffer, offset, bytes);
+        }
     }
 
     /// Empties the arena and makes room for `elements`.
@@ -251,28 +282,59 @@ impl ContourPool {
     }
 
     /// Uploads all stale silhouettes. Returns `false` if there is no room.
+    ///
+    /// The ranges of all of them are freed first, so the new ones mostly follow each other and take few calls to write.
     fn upload(&mut self, context: &RenderContext, silhouettes: &Silhouettes) -> bool {
+        let mut is_stale = false;
         for (entry, light) in self.lights.iter_mut().zip(silhouettes.lights()) {
             if entry.revision == light.revision {
                 continue;
             }
             entry.slots.resize_with(light.slots.len(), Slot::default);
             for (slot, silhouette) in entry.slots.iter_mut().zip(&light.slots) {
+                if slot.revision != silhouette.revision {
+                    self.edges.free(slot.edges.take());
+                    self.caps.free(slot.caps.take());
+                    slot.revision = 0;
+                    is_stale |= silhouette.revision != 0;
+                }
+            }
+        }
+        if !is_stale {
+            return true;
+        }
+        let (mut new_edges, mut new_caps) = (Vec::new(), Vec::new());
+        let has_room = self.place(silhouettes, &mut new_edges, &mut new_caps);
+        self.edges.write(context, new_edges);
+        self.caps.write(context, new_caps);
+        has_room
+    }
+
+    /// Finds places for all stale silhouettes, which must have none. Returns `false` if there is no room for all of them.
+    fn place<'a>(
+        &mut self,
+        silhouettes: &'a Silhouettes,
+        new_edges: &mut Vec<Placed<'a, [u32; 2]>>,
+        new_caps: &mut Vec<Placed<'a, u32>>,
+    ) -> bool {
+        for (entry, light) in self.lights.iter_mut().zip(silhouettes.lights()) {
+            for (slot, silhouette) in entry.slots.iter_mut().zip(&light.slots) {
                 if slot.revision == silhouette.revision {
                     continue;
                 }
-                self.edges.free(slot.edges.take());
-                self.caps.free(slot.caps.take());
-                slot.revision = 0;
-                if silhouette.revision == 0 {
-                    continue;
-                }
                 let contour: &Contour = &silhouette.contour;
-                let Some(edges) = self.edges.put(context, [&contour.edges, &contour.double_edges]) else {
+                let Some(edges) = self
+                    .edges
+                    .place([&contour.edges, &contour.double_edges], new_edges)
+                else {
                     return false;
                 };
-                let Some(caps) = self.caps.put(context, [&contour.caps, &[]]) else {
+                let Some(caps) = self.caps.place([&contour.caps, &[]], new_caps) else {
+                    // The range is free again, so nothing may be written there.
                     self.edges.free(edges);
+                    if edges.is_some() {
+                        new_edges.pop();
+                    }
                     return false;
                 };
                 slot.place = PooledContour {
