@@ -53,15 +53,11 @@ pub struct ObjectTable {
     pub handedness: Vec<f32>,
     /// The objects with [`SurfaceWeights`].
     pub weighted: FixedBitSet,
-<<<<<<< HEAD
     /// Increases when meshes and materials were looked up again, so that any index may differ.
     pub generation: u64,
-    constants: Vec<gpu_types::Object>,
-=======
     /// The objects whose constants were computed in the last update.
     pub changed: FixedBitSet,
     pub(super) constants: Vec<gpu_types::Object>,
->>>>>>> move
 }
 
 /// Returns the distance of a place from the eye, metres, along the lines of sight if these are parallel. The place is relative
@@ -134,6 +130,7 @@ impl ObjectTable {
         if exchanged.is_empty() {
             return true;
         }
+        self.generation += 1;
         if !meshes.oversized.is_empty() {
             return false; // the list names all of them
         }

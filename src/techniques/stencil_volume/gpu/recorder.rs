@@ -28,14 +28,8 @@ use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::recorder::{Leaves, Mark, PrepareInput, RecordInput, Recorder};
-<<<<<<< HEAD
 use crate::render::{Gpu, RenderError};
-use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
-=======
-use crate::render::{Gpu, RenderContext, RenderError};
-use crate::sets::FrameLights;
 use crate::silhouettes::{LightSilhouettes, Silhouettes};
->>>>>>> flat-plates
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
 use crate::techniques::stencil_volume::caster_volume::CasterVolume;
 use crate::techniques::stencil_volume::component::MOST_STACKED;
