@@ -55,6 +55,8 @@ pub struct Renderer {
     pub(super) table_generation: Option<u64>,
     /// The layout of the objects, and the view, of the matrices on the device.
     pub(super) matrices_of: Option<(u64, ObjectView)>,
+    /// The last [`Objects::frame`](crate::sets::Objects::frame) for which the renderer was prepared.
+    pub(super) last_frame: u64,
     /// True after a frame that failed: what changed in it has not reached the GPU.
     pub(super) has_missed_changes: bool,
     pub(super) view_buffer: wgpu::Buffer,
@@ -130,6 +132,7 @@ impl Renderer {
             table: ObjectTable::default(),
             table_generation: None,
             matrices_of: None,
+            last_frame: 0,
             has_missed_changes: false,
             view_group: bind_view(&gpu, &view_buffer, &objects.buffer),
             light_group: bind_lights(&gpu, &lights),

@@ -92,7 +92,7 @@ fn seen_through(builder: &Builder) -> (Option<DMat4>, GlobalTransform, GlobalTra
     let place = camera_place(&world, camera).unwrap();
     let view = world.resource::<View>().data.as_ref();
     let view = view.map(|view| {
-        assert_eq!(view.near, 0.1);
+        assert_eq!(view.near, f64::from(0.1f32));
         view.view_from_world
     });
     (view, place, *world.get::<GlobalTransform>(camera).unwrap())

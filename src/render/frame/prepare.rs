@@ -30,9 +30,9 @@ pub fn prepare_objects(
     posed: Query<(Entity, Ref<PosedMesh>)>,
     mut parts: ObjectParts,
 ) {
-    // A renderer that was elsewhere for some frames has missed what changed in them.
-    let was_away = renderer.is_added();
     let renderer = renderer.as_mut();
+    // A renderer that was out of the world for some frames has missed what changed in them.
+    let was_away = std::mem::replace(&mut renderer.last_frame, objects.frame) + 1 != objects.frame;
     renderer.frame.matrices = MatrixWork::default();
     if let Err(error) = begin_frame(renderer, &view, viewport.0) {
         renderer.failure = Some(error);

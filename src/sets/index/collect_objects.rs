@@ -65,6 +65,7 @@ pub fn collect_objects(
     motion: Motion,
     members: ObjectCounts,
 ) {
+    objects.frame += 1;
     let counts = Counts {
         churn: members.churn.0,
         objects: all.iter().len(),

@@ -41,6 +41,8 @@ pub struct Objects {
     pub moved: FixedBitSet,
     /// Words of `moved` that are not 0.
     pub moved_words: FixedBitSet,
+    /// Number of frames so far. `moved` is that of the last one.
+    pub frame: u64,
     /// Increases when indices change their meaning, because an object was added or removed or because all
     /// were put into a new order. Caches by index are then invalid.
     pub layout_generation: u64,

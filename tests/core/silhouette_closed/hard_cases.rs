@@ -24,7 +24,7 @@ fn crossed_and_windings(soup: &Soup, light: Vec4, point: DVec3) -> Option<(i64, 
     let crossed: Option<Vec<bool>> = slots(&cast.mesh)
         .map(|(_, corners)| is_crossed(corners.map(|i| soup.positions[i as usize]), light, point))
         .collect();
-    let [single, all] = cast
+    let [single, all, _] = cast
         .contours
         .each_ref()
         .map(|contour| winding(&volume(contour, &soup.positions), light, point));

