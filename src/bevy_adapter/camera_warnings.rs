@@ -43,14 +43,15 @@ impl ManagedLights<'_> {
     }
 }
 
-/// Warns once about a marked camera that cannot show shadows correctly: it has no `Hdr`, or has
-/// `OcclusionCulling`. Without `Hdr`, Bevy alone lights the camera's view until this is mended.
+/// Warns once about a marked camera that cannot show shadows correctly: it has no `Hdr`, has `OcclusionCulling`, or inverts
+/// culling. Without `Hdr`, Bevy alone lights the camera's view until this is mended.
 pub(super) fn warn_of_marked(
     mut commands: Commands,
     cameras: Query<
         (
             Entity,
             Option<&Name>,
+            &Camera,
             Has<Hdr>,
             Has<OcclusionCulling>,
             Has<Warned>,
@@ -58,11 +59,15 @@ pub(super) fn warn_of_marked(
         With<AntumbraCamera>,
     >,
 ) {
-    for (camera, name, hdr, occlusion, warned) in &cameras {
+    for (camera, name, settings, hdr, occlusion, warned) in &cameras {
         let wrong = if !hdr {
             Some("it has no `Hdr`: lights cannot be added to a picture that is tonemapped already")
         } else if occlusion {
             Some("Bevy's `OcclusionCulling` does not go with `DeferredPrepass`: objects may be missing")
+        } else if settings.invert_culling {
+            Some(
+                "Bevy's prepasses ignore `Camera::invert_culling`: faces may be missing. Mirror the picture that it draws instead",
+            )
         } else {
             None
         };

@@ -36,6 +36,7 @@
 //! | [`SurfaceWeights`](crate::scene::SurfaceWeights) on a mesh | weight what managed lights give to it, if it is opaque and drawn deferred; while one that is seen has them, all managed lights of the view take the slower pass that tells diffuse light and highlights apart |
 //! | [`LightWeights::ambient`](crate::scene::LightWeights) of a `RectLight` | has no effect: Bevy's rectangles give no irradiance to a surface that faces them |
 //! | `Camera`s | any number, perspective or orthographic, with render targets, viewports, TAA jitter and fog; marked cameras have no MSAA, because deferred shading has one sample a pixel |
+//! | `Camera::invert_culling`, for a camera whose scale mirrors | warned of on a marked camera, because Bevy's prepasses ignore it and cull the faces towards the camera |
 //! | `VisibilityRange` | a level of detail that the camera does not draw casts nothing; of two levels that fade into each other the one that is drawn more casts |
 //! | alpha-masked and blended casters | maps leave out the holes, volumes and wedges do not (see below) |
 //! | [`Cell`](crate::scene::Cell), [`Portal`](crate::scene::Portal), [`InCells`](crate::scene::InCells), [`Occluder`](crate::scene::Occluder) | hide objects from lights and from the light passes of marked cameras; Bevy still draws every object |

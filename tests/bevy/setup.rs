@@ -99,6 +99,16 @@ fn wrong_setups_warn_once_and_go_on() {
     game.run(3);
     assert!(game.radiance(camera).mean() > 0.0);
     assert_eq!(warnings("has no `Hdr`").len(), 1);
+    // Bevy's prepasses would cull the wrong faces.
+    let invert = |game: &mut Game, inverts| {
+        let mut settings = game.world().get_mut::<Camera>(camera).expect("a camera");
+        settings.invert_culling = inverts;
+        game.run(2);
+        warnings("invert_culling").len()
+    };
+    assert_eq!(invert(&mut game, true), 1);
+    assert_eq!(invert(&mut game, true), 1);
+    assert_eq!(invert(&mut game, false), 1);
 
     // MSAA is turned off by us before Bevy sees it.
     let mut app = harness::antumbra();
