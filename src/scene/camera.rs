@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, Mat3A, Mat4, Quat, Vec2};
+use glam::{DMat4, DVec4, Mat4, Quat, Vec2};
 
 /// A camera at its `GlobalTransform`, looking along local −Z. Its depth is reversed; in perspective it is
 /// also infinite ([`conventions`](crate::conventions)). A transform that mirrors gives a mirrored view.
@@ -35,18 +35,13 @@ pub struct Orthographic {
     pub far: f32,
 }
 
-/// Makes a [`Camera`] ignore the scale of its own transform and of all its parents: its view neither grows, nor shears, nor
-/// mirrors.
+/// Makes a [`Camera`] ignore the scale of its own transform and of all its parents. The product of their rotations turns
+/// it, and its position is that of its `GlobalTransform`. Cameras of glTF files have this component.
 ///
-/// The camera stands where its `GlobalTransform` puts it and looks along that transform's −Z axis, with the Y axis upward in
-/// the picture. So below a parent that mirrors or stretches, it still looks at what it looks at without that parent. Where a
-/// scale of 0 leaves no such axes, the product of all rotations turns it. Cameras of glTF files have this component.
+/// A parent with a negative scale therefore moves such a camera and does not turn it. Where a root mirrors a whole scene, write
+/// that root as a matrix, or place the camera elsewhere.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct IgnoresScale;
-
-/// An axis of a camera is lost if it is shorter than this share of the longest axis, or if it differs from another axis by less
-/// than this angle, radians. Products of rounded rotations and a scale of 0 have some 10⁻⁷.
-const LOST: f64 = 1e-6;
 
 /// Reads the transforms of cameras, and those of their parents where [`IgnoresScale`] needs them.
 #[derive(SystemParam)]
@@ -83,44 +78,25 @@ pub fn camera_place(world: &World, camera: Entity) -> Option<GlobalTransform> {
     Some(unscaled(camera, world_from_camera, link))
 }
 
-/// A camera's place without scale ([`IgnoresScale`]). `link` gives the rotation of an entity and its parent.
+/// The product of the rotations from an entity up to its root, at the entity's place. `link` gives the rotation of an entity
+/// and its parent.
 fn unscaled(
     camera: Entity,
     world_from_camera: &GlobalTransform,
     link: impl Fn(Entity) -> Option<(Quat, Option<Entity>)>,
 ) -> GlobalTransform {
-    let product = || {
-        let mut rotation = Quat::IDENTITY;
-        let mut next = Some(camera);
-        while let Some((turn, parent)) = next.and_then(&link) {
-            rotation = turn * rotation;
-            next = parent;
-        }
-        rotation.normalize()
-    };
-    let rotation = turn_of(&world_from_camera.affine().matrix3).unwrap_or_else(product);
+    let mut rotation = Quat::IDENTITY;
+    let mut next = Some(camera);
+    while let Some((turn, parent)) = next.and_then(&link) {
+        rotation = turn * rotation;
+        next = parent;
+    }
+    let rotation = rotation.normalize();
     GlobalTransform::from(Transform {
         translation: world_from_camera.translation(),
         rotation: if rotation.is_finite() { rotation } else { Quat::NAN },
         ..Transform::IDENTITY
     })
-}
-
-/// The rotation that has the Z axis of a matrix, and its Y axis as far as that is at right angles to it. `None` if either is
-/// lost.
-fn turn_of(world_from_camera: &Mat3A) -> Option<Quat> {
-    let m = world_from_camera;
-    let axes = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_dvec3());
-    let longest = axes.map(DVec3::length).into_iter().fold(0.0, f64::max);
-    let unit = |axis: DVec3| (axis.length() > LOST * longest).then(|| axis.normalize());
-    let (up, back) = (unit(axes[1])?, unit(axes[2])?);
-    let right = up.cross(back);
-    if !(right.length() > LOST) {
-        return None; // written so that NaN counts as well
-    }
-    let right = right.normalize();
-    let turn = DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back));
-    Some(turn.as_quat().normalize())
 }
 
 impl Default for Camera {
