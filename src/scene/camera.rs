@@ -39,7 +39,7 @@ pub struct Orthographic {
 /// it, and its position is that of its `GlobalTransform`. Cameras of glTF files have this component.
 ///
 /// A parent with a negative scale therefore moves such a camera and does not turn it. Where a root mirrors a whole scene, write
-/// that root as a matrix, or place the camera elsewhere.
+/// that root as a matrix, or keep the camera out of it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct IgnoresScale;
 
