@@ -62,8 +62,7 @@
 //! **N-buffers.** The paper keeps the mean over the square at every texel, for all sizes of squares. Here squares above level 3
 //! begin an eighth of their side apart, each level has a quarter as many values as the level below, and lookups interpolate. That
 //! takes 11 samples for each texel at most, where 1024² values in each of ten levels take 37. Summed areas take 64 loads of 16
-//! bytes. On a software driver summed areas take 5.5 to 6 times as long to build for the paper's combinations, and 4 to 5 times
-//! for overlaps. `cargo test --all-features --test gpu
+//! bytes. On a software driver summed areas take 4 to 5 times as long to build. `cargo test --all-features --test gpu
 //! occlusion_texture::cost::building -- --ignored --nocapture` prints both times. Levels that no kernel reaches are not built.
 //!
 //! **Closed casters.** Beyond the paper, its combinations draw casters whose mesh is closed with their fronts alone, as seen from
