@@ -101,7 +101,7 @@ pub fn update_world_bounds(
     bound: Query<Entity, (Added<Skin>, With<WorldBounds>)>,
     mut unbound: RemovedComponents<Skin>,
 ) {
-    // What a transform flattens has another matrix with a skin than without.
+    // Where a transform flattens an object, a skin changes the object's matrix.
     for entity in bound.iter().chain(unbound.read()) {
         if let Ok((local, transform, mut world, is_skinned)) = objects.get_mut(entity) {
             *world = world_bounds(&local, &transform, is_skinned);

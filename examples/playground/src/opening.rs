@@ -1,4 +1,4 @@
-//! What a document takes from its scene when it is opened.
+//! Completes a document that is opened with the lights and the camera of its scene.
 
 use antumbra::prelude::*;
 use antumbra::scene::gltf_import::{LoadedGltf, spawn_scene};

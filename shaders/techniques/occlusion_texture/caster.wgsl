@@ -87,8 +87,8 @@ fn solid(in: Solid) -> Slices {
     return slices_at(in.depth);
 }
 
-// What a surface of a closed caster adds at the top of each slice behind it: the sum over the caster's fronts and backs is not 0
-// where the top lies inside of it.
+// Counts the surfaces of closed casters before the top of each slice: 1 for a front and -1 for a back. Where the sum is not 0, the
+// top lies inside of a caster.
 @fragment
 fn crossings(in: Solid, @builtin(front_facing) is_front: bool) -> Slices {
     let crossing = vec4f(select(-1.0, 1.0, is_front));

@@ -29,7 +29,7 @@ pub(super) struct Accessors<'a> {
     /// The buffer views that were stored compressed and have been read, decompressed. `None` stands for one whose compressed
     /// bytes are broken and which has its bytes uncompressed as well.
     pub views: Vec<OnceCell<Option<Vec<u8>>>>,
-    /// What was read uncompressed because its compressed bytes are broken.
+    /// Reports of elements whose compressed bytes are broken and whose uncompressed ones were read instead.
     pub uncompressed: RefCell<Report>,
     /// Accessors whose elements come from compressed primitives instead of their buffer views.
     decoded: HashMap<usize, DecodedAccessor>,

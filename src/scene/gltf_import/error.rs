@@ -107,7 +107,7 @@ pub enum GltfError {
 }
 
 impl GltfError {
-    /// The same fault, named by the element that reads the faulty one.
+    /// Returns the same error with another element: the one that reads the faulty element. The reason then names the latter.
     pub(super) fn read_by(self, reader: Element) -> Self {
         match self {
             Self::Invalid {

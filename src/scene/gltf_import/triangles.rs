@@ -30,7 +30,7 @@ pub(super) fn triangulate(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// What the primitives of a mode are called, as the beginning of a sentence.
+/// Returns the name of a mode's primitives in the plural, with a capital letter.
 pub(super) fn plural(mode: Mode) -> &'static str {
     match mode {
         Mode::Points => "Points",

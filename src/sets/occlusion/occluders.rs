@@ -66,7 +66,7 @@ pub struct OccluderParts<'w, 's> {
     transforms: Query<'w, 's, &'static GlobalTransform>,
 }
 
-/// What one object hides, and whether it can be hidden.
+/// The part of one object in occlusion: whether it hides others, and whether others can hide it.
 #[derive(Default)]
 struct Look {
     camera: bool,

@@ -192,7 +192,7 @@ struct Building<'a, 'w, 's> {
     parts: PartCulling<'a>,
     /// `Some` in a view in which volumes must end.
     finite: Option<FiniteReach>,
-    /// What receives the light; used for finite volumes in a perspective view.
+    /// The boxes of the objects that receive the light, at which finite volumes of a perspective view end.
     receivers: &'a BoxReceivers,
 }
 

@@ -1,4 +1,4 @@
-//! What a document takes from its scene: the places of lights and of the camera, in the pose and with all digits.
+//! A document takes the places of lights and of the camera from its scene, in the scene's pose and with all digits.
 
 use antumbra_playground::compare::Show;
 use antumbra_playground::session::Session;

@@ -94,9 +94,9 @@ impl Split {
         }
     }
 
-    /// What stands beside a triangle that is considered alone. Closed pieces that count only their averted
-    /// triangles count all less the facing ones, so the triangle is paired with one that faces. Where they
-    /// count only their facing triangles, it is paired with one that does not count.
+    /// Returns the neighbour that is assumed at an edge where a triangle is considered alone. In a closed piece that counts
+    /// only its averted triangles it is one that faces the light, and in one that counts only its facing triangles it is one
+    /// that is averted. Such a neighbour does not count. Other pieces have no neighbour there.
     pub(super) fn beside(self, mesh: &EdgeMesh, slot: usize) -> Side {
         match (self.counts_one_kind(mesh, slot), self.mode) {
             (false, _) => Side::Open,

@@ -1,4 +1,4 @@
-//! What the recorders of all views of a device share.
+//! Layouts and indices of volumes, which all views of a device share.
 
 use super::gpu_types::Caster;
 use super::quads::QuadIndices;

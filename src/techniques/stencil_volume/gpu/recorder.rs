@@ -60,7 +60,7 @@ struct LightDraws {
     draws: std::ops::Range<usize>,
 }
 
-/// What the draws and the records of the casters were made from.
+/// The inputs of the draws and of the casters' records. While they are the same, both are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Source {
     /// The [`StencilVolumes::revision`], which changes with the silhouettes and the places of its lights and casters.
