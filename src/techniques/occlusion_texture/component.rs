@@ -85,8 +85,8 @@ pub struct OcclusionTexture {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SliceFilter {
     /// Level `l` holds means over squares of 2^l × 2^l texels. Up to level 3 such a square begins at each texel; above, squares
-    /// begin an eighth of their side apart. A lookup blends two levels. Smooth and still while casters move; takes 35 bytes for
-    /// each texel and four slices, and three times as many with [`SliceCombination::Overlap`]. This is the default.
+    /// begin an eighth of their side apart. A lookup blends two levels. Smooth and still while casters move; takes 19 bytes for
+    /// each texel and four slices, and 89 with [`SliceCombination::Overlap`]. This is the default.
     #[default]
     NBuffers,
     /// Level `l` holds the mean over each aligned block of 2^l × 2^l texels. Takes the least memory. Shadows are blurred

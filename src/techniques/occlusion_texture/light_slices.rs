@@ -196,14 +196,20 @@ impl LightSlices {
     /// Bytes of all pictures of a light for each squared resolution.
     pub fn bytes_per_square(&self) -> u64 {
         let groups = self.faces.len() as u64 * u64::from(self.settings.groups());
-        let (one, shared) = match self.settings.filter {
-            // The levels above the dense ones take a third of 8, rounded up.
-            SliceFilter::NBuffers => (8 * u64::from(DENSE_LEVEL + 1) + 3, 0),
-            SliceFilter::Mipmaps => (8 + 3, 0),
-            SliceFilter::SummedAreas => (24, 16),
+        // Dense levels, and a third of a level of 8 bytes for the sparse ones, rounded up.
+        let n_buffers = |bytes: u64| bytes * u64::from(DENSE_LEVEL + 1) + 3;
+        let (covers, precise, shared) = match self.settings.filter {
+            SliceFilter::NBuffers => (n_buffers(4), n_buffers(8), 0),
+            SliceFilter::Mipmaps => (8 + 3, 8 + 3, 0),
+            SliceFilter::SummedAreas => (24, 24, 16),
         };
-        let sets = if self.settings.measures() { 3 } else { 1 };
-        groups * (sets * one + shared)
+        // Overlaps need unions, and depths with a coverage that is as precise.
+        let sets = if self.settings.measures() {
+            covers + 2 * precise
+        } else {
+            covers
+        };
+        groups * (sets + shared)
     }
 
     /// Returns the record of the light for the GPU. `depths` are the nearest and farthest depth that it reaches.

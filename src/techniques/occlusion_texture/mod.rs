@@ -53,17 +53,18 @@
 //! may lie outside of it. Casters are measured along their own axes as well as those of the world, so a turned scene has
 //! slices as thin as a straight one.
 //!
-//! **Memory and cost.** With N-buffers, 35 bytes for each texel and four slices, and three times as many for overlaps; see
-//! [`SliceFilter`]. A light of 8 slices of 256² texels takes 13.8 MB, and 4.6 MB by the product. With 1024² texels overlaps take
-//! 220 MB of the 256 MB that all techniques share by default. Pictures are kept while nothing changes. Drawing is one pass over
-//! the casters for up to 16 slices. A pixel costs two lookups for each slice between itself and the light by the paper's
-//! combinations, and up to twelve for each slice with casters around the kernel by the overlap, whatever the size of the light.
+//! **Memory and cost.** With N-buffers, 19 bytes for each texel and four slices, and 89 for overlaps; see [`SliceFilter`].
+//! A light of 8 slices of 256² texels takes 11.7 MB, and 2.5 MB by the product. With 1024² texels overlaps take 187 MB of the
+//! 256 MB that all techniques share by default. Pictures are kept while nothing changes. Drawing is one pass over the casters for
+//! up to 16 slices. A pixel costs two lookups for each slice between itself and the light by the paper's combinations, and up to
+//! twelve for each slice with casters around the kernel by the overlap, whatever the size of the light.
 //!
 //! **N-buffers.** The paper keeps the mean over the square at every texel, for all sizes of squares. Here squares above level 3
 //! begin an eighth of their side apart, each level has a quarter as many values as the level below, and lookups interpolate. That
 //! takes 11 samples for each texel at most, where 1024² values in each of ten levels take 37. Summed areas take 64 loads of 16
-//! bytes. On a software driver summed areas take 4 to 5 times as long to build. `cargo test --all-features --test gpu
-//! occlusion_texture::cost::building -- --ignored --nocapture` prints both times. Levels that no kernel reaches are not built.
+//! bytes. On a software driver they take 8 times as long to build by the product, and 5 times by overlaps: `cargo test
+//! --all-features --test gpu occlusion_texture::cost::building -- --ignored --nocapture` prints both times. Levels that no kernel
+//! reaches are not built. Coverage has 8 bits up to level 3.
 //!
 //! **Closed casters.** Beyond the paper, its combinations draw casters whose mesh is closed with their fronts alone, as seen from
 //! the light. Front and back of a box would otherwise hide the same rays in two slices, and count twice. Measured overlaps know

@@ -62,8 +62,9 @@ fn costs_do_not_grow_with_the_light() {
     assert_eq!(counts[0].0, counts[1].0);
     assert_eq!(counts[1].0, counts[2].0);
     assert_eq!(counts[0].0.0, 1);
-    // Three sets of two groups: four dense levels of 8 bytes, and a third of one for the sparse levels, rounded up.
-    assert_eq!(counts[0].0.3, 3 * 2 * (4 * 8 + 3) * 256 * 256);
+    // Two groups of unions, with dense levels of 4 bytes, and of coverage and depths, with levels of 8; and a third of a level of 8
+    // for the sparse levels of each, rounded up.
+    assert_eq!(counts[0].0.3, 2 * ((4 * 4 + 3) + 2 * (4 * 8 + 3)) * 256 * 256);
     // Small lights even leave out levels of the filter.
     assert!(counts[0].1 < counts[1].1 && counts[2].1 <= 9, "{counts:?}");
 }

@@ -1,7 +1,7 @@
 //! Makes the textures of a light, and the passes that fill them.
 
 use super::pipelines::{PICTURE_FORMAT, SUM_FORMAT, SliceLayouts, SliceSet};
-use super::textures::{Crossings, SliceTextures, Step, StepKind, TexturesKey};
+use super::textures::{PictureLayers, SliceTextures, Step, StepKind, TexturesKey};
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::techniques::maps::gpu::recorded::FaceRecord;
@@ -15,18 +15,10 @@ pub(super) struct Maker<'a> {
     pub key: TexturesKey,
 }
 
-/// The first level of one picture.
-struct FirstLevel {
-    /// Its layers, to be written.
-    layers: Vec<wgpu::TextureView>,
-    /// Its layers, to be read.
-    below: wgpu::BindGroup,
-}
-
 /// One set of pictures and the passes that filter it.
 struct Filtered {
     /// The first level of each picture.
-    first: Vec<FirstLevel>,
+    first: Vec<PictureLayers>,
     steps: Vec<Step>,
     /// The textures that are looked up: all pictures, and the sparse levels of N-buffers. Other filters have no sparse levels,
     /// and the first texture stands for them.
@@ -102,10 +94,11 @@ impl Maker<'_> {
         bind_in_order(&self.context.device, "slice level below", layout, resources)
     }
 
-    fn first_level(&self, texture: &wgpu::Texture, first: u32) -> FirstLevel {
-        FirstLevel {
-            layers: self.layers(texture, first, 0),
-            below: self.below(
+    /// Layers of one picture in the first mip of a texture.
+    fn layers_of_picture(&self, texture: &wgpu::Texture, first: u32) -> PictureLayers {
+        PictureLayers {
+            written: self.layers(texture, first, 0),
+            read: self.below(
                 StepKind::Split(SliceSet::Coverage),
                 texture,
                 [first, self.key.groups],
@@ -169,21 +162,21 @@ impl Maker<'_> {
         // All sets of sums share it.
         let scratch = (filter == SliceFilter::SummedAreas)
             .then(|| self.texture("slice sums, in turn", SUM_FORMAT, side, faces * groups, 1));
-        let filtered = || match (filter, &scratch) {
+        let filtered = |format| match (filter, &scratch) {
             (SliceFilter::SummedAreas, Some(scratch)) => self.summed_areas(scratch),
             (SliceFilter::Mipmaps, _) => self.mipmaps(),
-            _ => self.n_buffers(),
+            _ => self.n_buffers(format),
         };
-        let coverage = filtered();
+        let coverage = filtered(match is_split {
+            true => self.key.split_format(SliceSet::Coverage),
+            false => self.key.drawn_format(),
+        });
         let (drawn, steps, sets);
         let mut crossings = Vec::new();
         if is_split {
-            let [unions, depths] = [filtered(), filtered()];
-            let counted = |first: &FirstLevel| Crossings {
-                layers: first.layers.clone(),
-                below: first.below.clone(),
-            };
-            crossings.extend(coverage.first.iter().map(counted));
+            let unions = filtered(self.key.split_format(SliceSet::Unions));
+            let depths = filtered(self.key.drawn_format());
+            crossings.clone_from(&coverage.first);
             let mut all = self.split(&depths.first, SliceSet::Coverage, coverage.first);
             all.extend(self.split(&depths.first, SliceSet::Unions, unions.first));
             all.extend([coverage.steps, unions.steps, depths.steps].into_iter().flatten());
@@ -195,7 +188,7 @@ impl Maker<'_> {
         }
         SliceTextures {
             key: self.key,
-            drawn: drawn.into_iter().map(|first| first.layers).collect(),
+            drawn: drawn.into_iter().map(|first| first.written).collect(),
             crossings,
             steps,
             group: self.lookup(sets),
@@ -205,11 +198,11 @@ impl Maker<'_> {
     }
 
     /// The passes that make a set of pictures from depths.
-    fn split(&self, depths: &[FirstLevel], set: SliceSet, targets: Vec<FirstLevel>) -> Vec<Step> {
-        let step = |(depths, targets): (&FirstLevel, FirstLevel)| Step {
-            kind: StepKind::Split(set),
-            below: depths.below.clone(),
-            targets: targets.layers,
+    fn split(&self, depths: &[PictureLayers], set: SliceSet, targets: Vec<PictureLayers>) -> Vec<Step> {
+        let step = |(depths, targets): (&PictureLayers, PictureLayers)| Step {
+            pipeline: self.key.step(StepKind::Split(set), self.key.split_format(set)),
+            below: depths.read.clone(),
+            targets: targets.written,
             instance: 0,
             level: 0,
         };
@@ -218,14 +211,14 @@ impl Maker<'_> {
 
     /// Dense levels are layers: those of a picture follow each other, and those of its groups within a level. Sparse levels are
     /// mips of another texture of half the side.
-    fn n_buffers(&self) -> Filtered {
+    fn n_buffers(&self, dense_format: wgpu::TextureFormat) -> Filtered {
         let TexturesKey {
             side, faces, groups, ..
         } = self.key;
         let dense_levels = DENSE_LEVEL + 1;
         let sparse_levels = level_count(side) - dense_levels;
         let layers = faces * groups;
-        let dense = self.texture("slice N-buffers", PICTURE_FORMAT, side, layers * dense_levels, 1);
+        let dense = self.texture("slice N-buffers", dense_format, side, layers * dense_levels, 1);
         let sparse = self.texture(
             "sparse slice N-buffers",
             PICTURE_FORMAT,
@@ -236,7 +229,7 @@ impl Maker<'_> {
         let first = |face: u32, level: u32| (face * dense_levels + level) * groups;
         let (mut firsts, mut steps) = (Vec::new(), Vec::new());
         for face in 0..faces {
-            firsts.push(self.first_level(&dense, first(face, 0)));
+            firsts.push(self.layers_of_picture(&dense, first(face, 0)));
             for level in 1..dense_levels {
                 let kind = if level == 1 {
                     StepKind::FIRST
@@ -244,7 +237,7 @@ impl Maker<'_> {
                     StepKind::DENSE
                 };
                 steps.push(Step {
-                    kind,
+                    pipeline: self.key.step(kind, dense_format),
                     below: self.below(kind, &dense, [first(face, level - 1), groups], 0),
                     targets: self.layers(&dense, first(face, level), 0),
                     instance: 1 << (level - 1),
@@ -257,7 +250,7 @@ impl Maker<'_> {
                     None => self.below(StepKind::SPARSE, &dense, [first(face, DENSE_LEVEL), groups], 0),
                 };
                 steps.push(Step {
-                    kind: StepKind::SPARSE,
+                    pipeline: self.key.step(StepKind::SPARSE, PICTURE_FORMAT),
                     below,
                     targets: self.layers(&sparse, face * groups, mip),
                     instance: 1 << DENSE_LEVEL,
@@ -280,10 +273,10 @@ impl Maker<'_> {
         let texture = self.texture("slice mipmaps", PICTURE_FORMAT, side, faces * groups, levels);
         let (mut firsts, mut steps) = (Vec::new(), Vec::new());
         for face in 0..faces {
-            firsts.push(self.first_level(&texture, face * groups));
+            firsts.push(self.layers_of_picture(&texture, face * groups));
             for level in 1..levels {
                 steps.push(Step {
-                    kind: StepKind::MIPMAP,
+                    pipeline: self.key.step(StepKind::MIPMAP, PICTURE_FORMAT),
                     below: self.below(StepKind::MIPMAP, &texture, [face * groups, groups], level - 1),
                     targets: self.layers(&texture, face * groups, level),
                     instance: 0,
@@ -306,7 +299,7 @@ impl Maker<'_> {
         let layers = faces * groups;
         let pictures = self.texture("slice pictures", PICTURE_FORMAT, side, layers, 1);
         let sums = [scratch, &self.texture("slice sums", SUM_FORMAT, side, layers, 1)];
-        let first = |face| self.first_level(&pictures, face * groups);
+        let first = |face| self.layers_of_picture(&pictures, face * groups);
         let mut steps = Vec::new();
         let mut from = &pictures;
         let mut turn = 0;
@@ -315,7 +308,7 @@ impl Maker<'_> {
                 let below = self.below(StepKind::Sum, from, [0, layers], 0);
                 for layer in 0..layers {
                     steps.push(Step {
-                        kind: StepKind::Sum,
+                        pipeline: self.key.step(StepKind::Sum, SUM_FORMAT),
                         below: below.clone(),
                         targets: vec![self.view(sums[turn], layer, None, 0)],
                         instance: distance | is_down << 16 | layer << 17,

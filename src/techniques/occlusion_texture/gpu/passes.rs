@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::pipelines::Key;
 use super::recorder::{LightPlan, SetPlan, SliceNode};
-use super::textures::{Crossings, SliceTextures, Step};
+use super::textures::{PictureLayers, SliceTextures, Step};
 use crate::render::gpu::strided::Strided;
 use crate::render::recorder::{PictureInput, ResolveInput};
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
@@ -56,7 +56,7 @@ impl SliceNode {
             }
         }
         for step in textures.steps.iter().filter(|step| step.level < plan.levels) {
-            if let Some(pipeline) = self.pipelines.get(plan.key.step(step.kind)) {
+            if let Some(pipeline) = self.pipelines.get(step.pipeline) {
                 filter_step(step, pipeline, plan.light, encoder, input);
             }
         }
@@ -89,6 +89,7 @@ impl SliceNode {
                     closes,
                     culled,
                     depths: plan.key.is_split,
+                    format: plan.key.drawn_format(),
                     groups,
                 })
             };
@@ -107,7 +108,7 @@ impl SliceNode {
         &self,
         slot: usize,
         plan: &LightPlan,
-        crossings: &Crossings,
+        crossings: &PictureLayers,
         layers: &[wgpu::TextureView],
         encoder: &mut wgpu::CommandEncoder,
         input: &PictureInput,
@@ -121,7 +122,7 @@ impl SliceNode {
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("slice crossings"),
-            color_attachments: &attachments(&crossings.layers, EMPTY),
+            color_attachments: &attachments(&crossings.written, EMPTY),
             timestamp_writes: input.timings.pass_of(input.label(plan.light), "slices"),
             ..Default::default()
         });
@@ -142,7 +143,7 @@ impl SliceNode {
             ..Default::default()
         });
         pass.set_pipeline(fill);
-        pass.set_bind_group(0, &crossings.below, &[]);
+        pass.set_bind_group(0, &crossings.read, &[]);
         pass.draw(0..3, 0..1);
     }
 

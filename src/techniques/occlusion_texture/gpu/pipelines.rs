@@ -12,8 +12,13 @@ use crate::techniques::occlusion_texture::component::{SliceCombination, SliceFil
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
 
 /// The format of pictures. Every WebGPU device can blend and filter it, and can draw four of it at once: together they take
-/// 32 bytes a sample, the least limit that a device may have. Means in eight bits would add up rounding over the levels.
+/// 32 bytes a sample, the least limit that a device may have.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// The format of the dense levels of N-buffers of coverage and unions: half the bytes, and a software driver samples it faster.
+/// It is rounded three times, by half of 1/255 at most. The sparse levels have [`PICTURE_FORMAT`], because rounding would add up
+/// over them. So do coverage and depths of overlaps: depths are divided by coverage, however small it is.
+pub const COVERAGE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// The format of sums, which are whole numbers up to the square of the resolution.
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -40,6 +45,8 @@ pub enum Key {
         culled: Option<wgpu::Face>,
         /// True if depths are drawn instead of what casters cover.
         depths: bool,
+        /// Format of the picture.
+        format: wgpu::TextureFormat,
         /// Number of colour targets.
         groups: u32,
     },
@@ -57,6 +64,8 @@ pub enum Key {
     Split {
         /// The set that is made.
         set: SliceSet,
+        /// Format of the set.
+        format: wgpu::TextureFormat,
         /// Number of colour targets.
         groups: u32,
     },
@@ -66,6 +75,8 @@ pub enum Key {
         is_adjacent: bool,
         /// True if the level has half as many texels along a side as the level below.
         halves: bool,
+        /// Format of the level.
+        format: wgpu::TextureFormat,
         /// Number of colour targets.
         groups: u32,
     },
@@ -227,9 +238,14 @@ const SUM: wgpu::BlendState = {
 };
 
 /// Adds the targets of several groups of slices.
-fn with_targets(desc: PipelineDesc, groups: u32, blend: Option<wgpu::BlendState>) -> PipelineDesc {
+fn with_targets(
+    desc: PipelineDesc,
+    groups: u32,
+    format: wgpu::TextureFormat,
+    blend: Option<wgpu::BlendState>,
+) -> PipelineDesc {
     (0..groups).fold(desc, |desc, _| {
-        desc.with_target(PICTURE_FORMAT, blend, wgpu::ColorWrites::ALL)
+        desc.with_target(format, blend, wgpu::ColorWrites::ALL)
     })
 }
 
@@ -239,13 +255,14 @@ fn step(
     label: &'static str,
     entry: &'static str,
     groups: u32,
+    format: wgpu::TextureFormat,
     blend: Option<wgpu::BlendState>,
 ) -> PipelineDesc {
     let fragment = Some(Stage::new(FILTER, entry));
     let desc = PipelineDesc::new(label, EVERYWHERE_WITH_INSTANCE, fragment)
         .with_groups([Some(&layouts.below)])
         .with_constants([("GROUPS", f64::from(groups))]);
-    with_targets(desc, groups, blend)
+    with_targets(desc, groups, format, blend)
 }
 
 /// Describes the pipeline of a key.
@@ -256,6 +273,7 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             closes,
             culled,
             depths,
+            format,
             groups,
         } => {
             let (vertex, fragment, buffers) = if masked {
@@ -281,7 +299,7 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
                         ("DEPTHS", f64::from(u8::from(depths))),
                     ])
             };
-            with_targets(desc, groups, Some(MAXIMUM))
+            with_targets(desc, groups, format, Some(MAXIMUM))
         }
         Key::Crossings { groups } => {
             let fragment = Some(Stage::new(CASTER, "crossings"));
@@ -290,29 +308,42 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
                 ..PipelineDesc::new("slice crossings", Stage::new(CASTER, "solid_vertex"), fragment)
                     .with_groups([Some(&layouts.casters), Some(&layouts.face)])
             };
-            with_targets(desc, groups, Some(SUM))
+            with_targets(desc, groups, PICTURE_FORMAT, Some(SUM))
         }
-        Key::Fill { groups } => step(layouts, "slice fill", "fill", groups, Some(MAXIMUM)),
-        Key::Split { set, groups } => {
+        Key::Fill { groups } => step(
+            layouts,
+            "slice fill",
+            "fill",
+            groups,
+            PICTURE_FORMAT,
+            Some(MAXIMUM),
+        ),
+        Key::Split { set, format, groups } => {
             let entry = match set {
                 SliceSet::Coverage => "cover",
                 SliceSet::Unions => "unite",
             };
-            step(layouts, "slice split", entry, groups, None)
+            step(layouts, "slice split", entry, groups, format, None)
         }
         Key::Level {
             is_adjacent: true,
             halves,
+            format,
             groups,
-        } => step(layouts, "slice filter", "adjacent_level", groups, None)
+        } => step(layouts, "slice filter", "adjacent_level", groups, format, None)
             .with_groups([Some(&layouts.below_blended)])
             .with_constants([
                 ("GROUPS", f64::from(groups)),
                 ("STRIDE", if halves { 2.0 } else { 1.0 }),
             ]),
-        Key::Level { halves, groups, .. } => {
+        Key::Level {
+            halves,
+            format,
+            groups,
+            ..
+        } => {
             let entry = if halves { "halved_level" } else { "level" };
-            step(layouts, "slice filter", entry, groups, None)
+            step(layouts, "slice filter", entry, groups, format, None)
         }
         Key::Sum => PipelineDesc::new(
             "slice sums",

@@ -128,6 +128,7 @@ impl SliceNode {
         let objects = world.resource::<Objects>();
         let first = self.faces.len();
         let groups = slices.settings.groups();
+        let key = TexturesKey::new(slices);
         for face in &slices.faces {
             let drawn = face.drawn();
             let (fronts, backs) = if face.is_mirrored() {
@@ -163,14 +164,15 @@ impl SliceNode {
             for set in &plan {
                 let SetPlan { closes, culled, .. } = *set;
                 for masked in self.draws.masked(set.draws.clone()) {
-                    let key = Key::Caster {
+                    let caster = Key::Caster {
                         masked,
                         closes,
                         culled,
-                        depths: slices.settings.measures(),
+                        depths: key.is_split,
+                        format: key.drawn_format(),
                         groups,
                     };
-                    self.require(input.gpu, key)?;
+                    self.require(input.gpu, caster)?;
                 }
             }
             let own =
@@ -184,9 +186,8 @@ impl SliceNode {
             self.faces.push(FacePlan { draws: plan, filled });
             self.face_records.constants.push(&face.record(face.origin));
         }
-        let key = TexturesKey::new(slices);
-        for kind in key.kinds() {
-            self.require(input.gpu, key.step(kind))?;
+        for step in key.steps() {
+            self.require(input.gpu, step)?;
         }
         Ok(first..self.faces.len())
     }

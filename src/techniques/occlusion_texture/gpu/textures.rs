@@ -1,8 +1,9 @@
 //! The pictures of each light, with the levels of their filter.
 
 use bevy_ecs::prelude::Entity;
+use smallvec::{SmallVec, smallvec};
 
-use super::pipelines::{Key, SliceSet};
+use super::pipelines::{COVERAGE_FORMAT, Key, PICTURE_FORMAT, SliceSet};
 use crate::techniques::maps::gpu::recorded::FaceRecord;
 use crate::techniques::occlusion_texture::component::SliceFilter;
 use crate::techniques::occlusion_texture::light_slices::LightSlices;
@@ -40,27 +41,58 @@ impl TexturesKey {
         }
     }
 
-    /// Returns the kinds of passes that fill the textures.
-    pub fn kinds(&self) -> impl Iterator<Item = StepKind> + use<> {
-        let is_split = self.is_split;
-        let splits = [SliceSet::Coverage, SliceSet::Unions].map(StepKind::Split);
-        let filters: &[StepKind] = match self.filter {
-            SliceFilter::NBuffers => &[StepKind::FIRST, StepKind::DENSE, StepKind::SPARSE],
-            SliceFilter::Mipmaps => &[StepKind::MIPMAP],
-            SliceFilter::SummedAreas => &[StepKind::Sum],
-        };
-        let splits = splits.into_iter().filter(move |_| is_split);
-        splits.chain(filters.iter().copied())
+    /// Returns the format of the pictures into which casters are drawn.
+    pub fn drawn_format(&self) -> wgpu::TextureFormat {
+        match self.filter {
+            SliceFilter::NBuffers if !self.is_split => COVERAGE_FORMAT,
+            _ => PICTURE_FORMAT,
+        }
     }
 
-    /// Returns the pipeline of a pass between pictures.
-    pub fn step(&self, kind: StepKind) -> Key {
+    /// Returns the format of a set of pictures that is made from depths.
+    pub fn split_format(&self, set: SliceSet) -> wgpu::TextureFormat {
+        match (self.filter, set) {
+            (SliceFilter::NBuffers, SliceSet::Unions) => COVERAGE_FORMAT,
+            _ => PICTURE_FORMAT,
+        }
+    }
+
+    /// Returns the pipelines of the passes that fill the textures.
+    pub fn steps(&self) -> SmallVec<[Key; 8]> {
+        let mut keys = SmallVec::new();
+        let mut formats: SmallVec<[_; 3]> = smallvec![self.drawn_format()];
+        if self.is_split {
+            for set in [SliceSet::Coverage, SliceSet::Unions] {
+                let format = self.split_format(set);
+                keys.push(self.step(StepKind::Split(set), format));
+                formats.push(format);
+            }
+        }
+        match self.filter {
+            SliceFilter::NBuffers => {
+                let dense = [StepKind::FIRST, StepKind::DENSE];
+                keys.extend(
+                    formats
+                        .iter()
+                        .flat_map(|&format| dense.map(|kind| self.step(kind, format))),
+                );
+                keys.push(self.step(StepKind::SPARSE, PICTURE_FORMAT));
+            }
+            SliceFilter::Mipmaps => keys.push(self.step(StepKind::MIPMAP, PICTURE_FORMAT)),
+            SliceFilter::SummedAreas => keys.push(Key::Sum),
+        }
+        keys
+    }
+
+    /// Returns the pipeline of a pass into pictures of a format.
+    pub fn step(&self, kind: StepKind, format: wgpu::TextureFormat) -> Key {
         let groups = self.groups;
         match kind {
-            StepKind::Split(set) => Key::Split { set, groups },
+            StepKind::Split(set) => Key::Split { set, format, groups },
             StepKind::Level { is_adjacent, halves } => Key::Level {
                 is_adjacent,
                 halves,
+                format,
                 groups,
             },
             StepKind::Sum => Key::Sum,
@@ -127,8 +159,8 @@ impl StepKind {
 /// One pass between pictures: from a view of layers to views of single layers.
 #[derive(Debug)]
 pub struct Step {
-    /// The kind of the pass.
-    pub kind: StepKind,
+    /// The pipeline of the pass.
+    pub pipeline: Key,
     /// The layers that are read.
     pub below: wgpu::BindGroup,
     /// The layers that are written, one for each group of slices.
@@ -139,13 +171,13 @@ pub struct Step {
     pub level: u32,
 }
 
-/// Where the surfaces of a picture's closed casters are counted: layers that a later pass overwrites.
-#[derive(Debug)]
-pub struct Crossings {
+/// The layers of one picture, or of one of its levels.
+#[derive(Clone, Debug)]
+pub struct PictureLayers {
     /// The layers, to be written.
-    pub layers: Vec<wgpu::TextureView>,
+    pub written: Vec<wgpu::TextureView>,
     /// The layers, to be read.
-    pub below: wgpu::BindGroup,
+    pub read: wgpu::BindGroup,
 }
 
 /// The pictures of one light.
@@ -155,8 +187,9 @@ pub struct SliceTextures {
     pub key: TexturesKey,
     /// The layers into which each picture is drawn.
     pub drawn: Vec<Vec<wgpu::TextureView>>,
-    /// Where surfaces are counted in each picture; empty unless depths are drawn.
-    pub crossings: Vec<Crossings>,
+    /// Where the surfaces of each picture's closed casters are counted: layers that a later pass overwrites. Empty unless
+    /// depths are drawn.
+    pub crossings: Vec<PictureLayers>,
     /// The passes between the drawing and the lookup, in their order.
     pub steps: Vec<Step>,
     /// The bind group 3 of the lookup.
