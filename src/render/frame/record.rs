@@ -117,7 +117,7 @@ impl Renderer {
             meshes: &self.meshes,
             materials: &self.materials,
             timings: &self.timings,
-            labels: &self.labels,
+            labels: self.labels.all(),
         };
         for technique in self.techniques.iter() {
             technique.draw_pictures(encoder, &input);
@@ -147,9 +147,11 @@ impl Renderer {
         for light in &self.frame.lights {
             let [x, y, width, height] = light.scissor;
             pass.set_scissor_rect(x, y, width, height);
-            if let Some(shadow) = light.shadow {
-                let input = LightSurfaces::Opaque.record_input(self, light);
-                self.techniques[shadow.technique.0].debug(light.light, &mut pass, &input);
+            for light in [light].into_iter().chain(self.frame.companions_of(light)) {
+                if let Some(shadow) = light.shadow {
+                    let input = LightSurfaces::Opaque.record_input(self, light);
+                    self.techniques[shadow.technique.0].debug(light.light, &mut pass, &input);
+                }
             }
         }
     }

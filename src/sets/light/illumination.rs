@@ -42,7 +42,7 @@ pub(in crate::sets) fn showing(light: &FrameLight, objects: &Objects, word: usiz
 }
 
 /// Computes I of every light that needs it: I = V ∩ L ∩ drawn ∩ affected, without objects whose visible part
-/// is dark. Then computes the scissor rectangle and the depth bounds, as the intersection of three bounds:
+/// is dark. Of a companion I holds only what shows the shadows that it computes. Then computes the scissor rectangle and the depth bounds, as the intersection of three bounds:
 /// those of the objects of I, those of the light's volume, and those of the objects cut by the volume. If
 /// nothing is left, the light is skipped and its I is emptied.
 ///
@@ -70,10 +70,10 @@ pub fn collect_illumination(
         light.region.receiver_bounds = Aabb::EMPTY;
         let dark = light.sets.dark.as_mut_slice();
         light.scratch.touched.ones().for_each(|word| dark[word] = 0);
-        let shines = !is_dark(&light.light);
+        let shines = !is_dark(&light.light) && light.is_in_use();
         let bounds = view.data.as_ref().filter(|_| shines).and_then(|view| {
             intersect(light, &objects, &visible);
-            parts.cut_illumination(light, occlusion.viewpoint_of(light.entity), &occluders);
+            parts.cut_illumination(light, occlusion.viewpoint_of(light), &occluders);
             bound(light, &objects, view, &parts)
         });
         match bounds {
@@ -95,6 +95,11 @@ fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
     for word in light.scratch.touched.ones() {
         let candidates = v[word] & l[word] & drawn[word];
         i[word] = selected(objects, word, candidates, light.selection.affects);
+        if light.companion_of.is_some() {
+            let receivers = i[word] & objects.receivers.as_slice()[word];
+            let showing = selected(objects, word, receivers, light.selection.shows_on);
+            i[word] = light.acts_on.receivers.among(word, showing);
+        }
         if light.lit.has_near() {
             for_bits(i[word], |lane| {
                 if light.lit.is_too_near(&objects.boxes.get(word * WORD + lane)) {

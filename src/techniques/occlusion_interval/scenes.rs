@@ -64,7 +64,7 @@ impl IntervalScenes {
 
 /// Reads the maps of lights that are new, and finds their surfaces in the world.
 ///
-/// Set: `BuildTechniques`, before memory for textures is asked for. Reads [`FrameLights`], [`Objects`], [`LightPath`],
+/// Set: [`LeavingSystems`](crate::techniques::LeavingSystems). Reads [`FrameLights`], [`Objects`], [`LightPath`],
 /// [`IntervalFolder`], [`FaceCulling`] and the settings; writes [`IntervalLibrary`] and [`IntervalScenes`]. Meshes are hashed
 /// when objects come or go. Surfaces are looked for again when a material is exchanged, too. A frame in which nothing moves
 /// compares nothing; one in which something does compares the maps' surfaces with what moved.
@@ -104,7 +104,6 @@ pub fn match_interval_maps(
         hashes.forget_unused();
     }
     scenes.refuse_other_scenes();
-    scenes.choose_payers(&lights);
 }
 
 fn check_light(maps: &IntervalMaps, path: Option<&LightPath>, kind: LightKind) -> Result<(), IntervalFault> {
@@ -199,7 +198,7 @@ impl IntervalScenes {
     }
 
     /// Chooses the light that asks for the memory of each scene's textures.
-    fn choose_payers(&mut self, lights: &FrameLights) {
+    pub(super) fn choose_payers(&mut self, lights: &FrameLights) {
         let area = |light: usize| {
             let scissor = lights.lights.get(light).and_then(|light| light.region.scissor);
             scissor.map_or(0, |scissor| scissor.area())

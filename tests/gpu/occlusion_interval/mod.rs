@@ -2,6 +2,7 @@
 
 mod appearance;
 mod by_hand;
+mod companions;
 mod drawn;
 mod exactness;
 mod faults;
