@@ -11,7 +11,6 @@ use smallvec::SmallVec;
 use super::candidate::{Candidate, is_dark};
 use super::companion::{ActsOn, CompanionOf};
 use super::depth_bounds::DepthBounds;
-use super::illumination::selected;
 use super::light_volume::LightVolume;
 use super::lit_region::LitRegion;
 use super::placing::Shining;
@@ -213,7 +212,7 @@ impl FrameLight {
     /// Bits of those objects of a word that cast for the light, if they are casters.
     pub(crate) fn casting(&self, objects: &Objects, word: usize, bits: usize) -> usize {
         let bits = self.acts_on.casters.among(word, bits);
-        selected(objects, word, bits, self.selection.casts_for)
+        objects.selected(word, bits, self.selection.casts_for)
     }
 
     /// Returns the needs of the light's technique; an unshadowed light has none.

@@ -27,7 +27,7 @@ pub struct IntervalLight {
     pub time: f32,
     /// Width of the window, as a share of the path.
     pub width: f32,
-    /// Share of the window in which the light shines at all: what objects that are not in the maps see of it. The sun does
+    /// Share of the window in which the light shines at all: the most that objects which are not in the maps see of it. The sun does
     /// not shine below the horizon.
     pub shining: f32,
 }

@@ -43,11 +43,14 @@ pub fn choose_techniques(world: &mut World) {
             let technique = at.ok().and_then(|at| of_scene[at].technique);
             technique.is_some_and(|technique| techniques.rows[technique.row].leaves_others())
         });
+        let was_in_use = companion.technique.is_some();
         companion.technique = world
             .get_entity(companion.entity)
             .ok()
             .filter(|_| leaves)
             .and_then(|entity| choose(techniques, entity, companion, &mut refused));
+        // The sets of a companion without a technique are empty.
+        companion.moved |= companion.technique.is_some() != was_in_use;
     }
     world.resource_mut::<Techniques>().refused = refused;
     *world.resource_mut::<FrameLights>() = frame;

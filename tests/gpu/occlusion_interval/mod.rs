@@ -2,7 +2,7 @@
 
 mod appearance;
 mod by_hand;
-mod companions;
+pub mod companions;
 mod drawn;
 mod exactness;
 mod faults;
