@@ -2,8 +2,8 @@
 //!
 //! A technique is a component on a light. Each light chooses its own technique, and any mix renders in one
 //! frame. A technique that knows only a part of the scene leaves the rest to a second one on the same light
-//! ([`Technique::LEAVES_OTHERS`]). A technique computes visibility: 1 where a surface point sees the whole light, 0 where it sees none
-//! of it. The light pass multiplies by visibility and knows nothing else about techniques.
+//! ([`Technique::LEAVES_OTHERS`]). A technique computes visibility: 1 where a surface point sees the whole light,
+//! 0 where it sees none of it. The light pass multiplies by visibility and knows nothing else about techniques.
 //!
 //! [`Technique`] is the trait, and [`add_builtin`] is the list of the crate's techniques. A new technique of
 //! the crate is a folder here and a line in that list. A technique of another crate is a type that implements

@@ -39,8 +39,8 @@
 //! submeshes is not in the maps, the second technique shadows all of them, and by all of them.
 //!
 //! The second technique casts from the point of the path where the light stands, so its shadows are as soft as it makes them,
-//! whatever the width. It costs nothing while nothing that is seen is in reach of what is not in the maps. Otherwise it costs
-//! what it costs on a light of its own, up to twice: once for surfaces in the maps, and once for the others.
+//! whatever the width. It adds no pass while nothing that is not in the maps is seen or shadows what is seen. Otherwise it
+//! costs what it costs on a light of its own, up to twice: once for surfaces in the maps, and once for the others.
 //!
 //! While the maps cannot be used, the second technique shadows everything. So it does after an object that was baked has moved:
 //! bake only what stays. That memory for the textures is short is known one frame later.

@@ -56,9 +56,12 @@ pub fn visibility(stage: &mut Stage) -> Vec<f32> {
 /// Adds the second technique of a light.
 pub type Add = fn(&mut Stage);
 
-pub const SECONDS: [(&str, Add); 4] = [
+pub const SECONDS: [(&str, Add); 5] = [
     ("shadow_map", |stage| add(stage, ShadowMap::default())),
     ("stencil_volume", |stage| add(stage, StencilVolume::default())),
+    ("perspective_map", |stage| {
+        add(stage, PerspectiveMap::default());
+    }),
     ("penumbra_wedge", |stage| add(stage, PenumbraWedge::default())),
     ("occlusion_texture", |stage| {
         let hard = OcclusionTexture {
