@@ -110,7 +110,6 @@ fn it_is_the_second_technique_of_a_light_with_baked_shadows() {
     stage.shadow(stage.lights[0], &Settings::of(Veil { seen: 0.5 }));
     let both = visibility(&mut stage);
     let count = |of: f32| both.iter().filter(|&&v| v == of).count();
-    assert_eq!(count(0.0) + count(0.5) + count(1.0), both.len());
     assert!(
         count(0.5) > 2000 && count(0.0) > 500,
         "{} {}",
@@ -118,7 +117,11 @@ fn it_is_the_second_technique_of_a_light_with_baked_shadows() {
         count(0.0)
     );
     for (both, alone) in both.iter().zip(&alone) {
-        assert!(both <= alone, "the darker of both: {both} {alone}");
+        let is_nothing = *both == 1.0 && *alone == 1.0;
+        assert!(
+            is_nothing || *both == alone.min(0.5),
+            "the darker of both: {both} {alone}"
+        );
     }
     stage.world.entity_mut(stage.lights[0]).remove::<Veil>();
     assert!(visibility(&mut stage) == alone);
