@@ -84,6 +84,8 @@ pub struct Reports {
     entries: Vec<Entry>,
     /// Scratch space for a message while it is compared. It is kept to reuse its allocation.
     line: String,
+    /// Entities of the crate's own, in ascending order, each with the entity that reports about it are about.
+    stand_ins: Vec<(Entity, Entity)>,
 }
 
 #[derive(Clone, Debug)]
@@ -98,6 +100,20 @@ impl Reports {
     pub fn round(&mut self, topic: &'static str) -> Round<'_> {
         self.begin(Some(topic));
         Round { reports: self, topic }
+    }
+
+    /// From now on, reports about the first entity of a pair are about the second one.
+    pub(crate) fn stand_in(&mut self, pairs: impl Iterator<Item = (Entity, Entity)>) {
+        self.stand_ins.clear();
+        self.stand_ins.extend(pairs);
+        self.stand_ins.sort_unstable();
+    }
+
+    /// Returns the entity that a report about an entity is about.
+    fn subject(&self, entity: Option<Entity>) -> Option<Entity> {
+        let entity = entity?;
+        let at = self.stand_ins.binary_search_by_key(&entity, |(own, _)| *own);
+        Some(at.map_or(entity, |at| self.stand_ins[at].1))
     }
 
     /// Replaces all reports by those of other lists, each given with the entity that it is about in this
@@ -170,6 +186,7 @@ impl Reports {
     }
 
     fn state(&mut self, topic: &'static str, entity: Option<Entity>, code: u32, message: fmt::Arguments<'_>) {
+        let entity = self.subject(entity);
         match self.find(topic, entity, code) {
             Ok(at) => {
                 let entry = &mut self.entries[at];
@@ -209,6 +226,7 @@ impl Round<'_> {
     /// An entity has one report of the topic for each code that is raised in the frame.
     pub fn raise(&mut self, entity: Option<Entity>, code: u32, message: impl FnOnce() -> String) {
         let topic = self.topic;
+        let entity = self.reports.subject(entity);
         match self.reports.find(topic, entity, code) {
             Ok(at) => self.reports.entries[at].is_raised = true,
             Err(at) => self.reports.insert(

@@ -11,16 +11,17 @@ use crate::reports::Reports;
 use crate::scene::uncleared::report_uncleared;
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets;
-use crate::sets::SeenInto;
 use crate::sets::report::report_sets;
 use crate::sets::view::seen_into;
+use crate::sets::{FrameLights, SeenInto};
 use crate::silhouettes::report::{RefusedCasters, report_buried_origins, report_casters};
 use crate::silhouettes::{
     BuriedOrigins, CasterMeshes, CoincidentCasters, Silhouettes, buried, cache, casters, coincident,
 };
+use crate::techniques::registry::companions::{keep_companions, limit_companions};
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::shared::texture_memory::{self, TextureMemory, report::report_texture_memory};
-use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
+use crate::techniques::{LeavingSystems, TechniqueSystems, Techniques, choose_techniques};
 
 /// The stages of a frame as system sets, chained in this order. Each set says what is true after it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -152,13 +153,24 @@ pub fn add_systems(schedule: &mut Schedule) {
         )
             .chain()
             .in_set(silhouettes),
-        choose_techniques
+        keep_companions
+            .after(sets::collect_visible_set)
+            .before(sets::collect_frame_lights)
+            .in_set(collect),
+        (choose_techniques, limit_companions)
+            .chain()
             .after(sets::collect_frame_lights)
             .before(sets::collect_light_sets)
             .in_set(collect),
         sets::fit_view_depth.in_set(prepare),
     ));
-    schedule.configure_sets(TechniqueSystems.in_set(techniques));
+    schedule.configure_sets((
+        TechniqueSystems.in_set(techniques),
+        LeavingSystems
+            .after(choose_techniques)
+            .before(limit_companions)
+            .in_set(collect),
+    ));
     texture_memory::systems::add(schedule, TechniqueSystems);
     for row in Techniques::default().rows() {
         row.add_systems(schedule);
@@ -202,6 +214,11 @@ pub fn add_systems(schedule: &mut Schedule) {
 pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
     world.resource_scope(|world, mut reports: Mut<Reports>| {
         let reports = reports.bypass_change_detection();
+        let lights = &world.resource::<FrameLights>().lights;
+        let companions = lights
+            .iter()
+            .filter_map(|light| Some((light.entity, light.companion_of?.light)));
+        reports.stand_in(companions);
         #[cfg(feature = "gltf")]
         crate::scene::gltf_import::report_imports(world, reports);
         report_uncleared(world, reports);

@@ -13,8 +13,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use antumbra::prelude::{
-    Camera, Material, MeshData, OmniMap, PenumbraWedge, PerspectiveMap, SceneMaterials, SceneMesh,
-    ShadowCaster, ShadowMap, ShadowReceiver, Smoothie, StencilVolume,
+    Camera, LightPath, Material, MeshData, OcclusionInterval, OmniMap, PenumbraWedge, PerspectiveMap,
+    SceneMaterials, SceneMesh, ShadowCaster, ShadowMap, ShadowReceiver, Smoothie, StencilVolume,
 };
 use antumbra::reports::Reports;
 use antumbra::scene::{
@@ -23,7 +23,8 @@ use antumbra::scene::{
 };
 use antumbra::schedule::{add_systems, collect_reports, init_resources};
 use antumbra::sets::{SetWork, ViewportSize, collect_sets};
-use antumbra::techniques::{PenumbraWedges, PerspectiveMaps};
+use antumbra::techniques::occlusion_interval::{BakeStatistics, BakedSurface, Corner, Page, surface_hash};
+use antumbra::techniques::{IntervalLibrary, IntervalMaps, PenumbraWedges, PerspectiveMaps};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;
 use bevy_transform::prelude::GlobalTransform;
@@ -230,6 +231,85 @@ fn perspective_maps_and_smoothies_allocate_nothing_after_warm_up() {
         assert_eq!(allocations(|| run(&mut world, step as f32)), 0, "the view moves");
     }
     assert_eq!(world.resource::<PerspectiveMaps>().fitted_anew, 2);
+}
+
+/// A plane in the maps of a sun, a box that is not in them, and a second technique that shadows by it.
+#[test]
+fn lights_with_two_techniques_allocate_nothing_after_warm_up() {
+    let mut world = World::new();
+    init_resources(&mut world);
+    let mut frame = Schedule::default();
+    frame.set_executor(SingleThreadedExecutor::new());
+    add_systems(&mut frame);
+    world.resource_mut::<ViewportSize>().0 = VIEWPORT;
+    let place = |x: f32, y: f32, z: f32| GlobalTransform::from_translation(Vec3::new(x, y, z));
+    let camera = world.spawn((Camera::default(), place(0.0, 2.0, 8.0))).id();
+    let plane = MeshData::plane(30.0);
+    let path = LightPath::Arc {
+        direction: Vec3::new(-1.0, -1.0, -0.5),
+        axis: Vec3::Z,
+        degrees: 60.0,
+    };
+    let maps = IntervalMaps {
+        key: 0,
+        path: path.clone(),
+        texels_per_metre: 1.0,
+        size: 4,
+        pages: vec![Page::dark(4, 1)],
+        surfaces: vec![BakedSurface {
+            mesh: "plane".to_owned(),
+            hash: surface_hash(&plane, &plane.submeshes[0]),
+            world_from_local: glam::Affine3A::IDENTITY.to_cols_array(),
+            is_two_sided: true,
+            casts: true,
+            corners: 0..plane.indices.len() as u32,
+        }],
+        corners: vec![Corner::NOWHERE; plane.indices.len()],
+        statistics: BakeStatistics::default(),
+    };
+    world
+        .resource_mut::<IntervalLibrary>()
+        .insert("plane", Arc::new(maps));
+    for (mesh, at) in [
+        (plane, place(0.0, 0.0, 0.0)),
+        (MeshData::cuboid(Vec3::splat(0.4)), place(0.0, 1.0, 0.0)),
+    ] {
+        world.spawn((
+            SceneMesh(Arc::new(mesh)),
+            SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
+            (ShadowCaster, ShadowReceiver),
+            at,
+        ));
+    }
+    let sun = GlobalTransform::from_rotation(glam::Quat::from_rotation_x(-0.8));
+    let settings = OcclusionInterval {
+        maps: "plane".to_owned(),
+        ..OcclusionInterval::default()
+    };
+    let light = Light::directional(Vec3::ONE, 1.0);
+    world.spawn((light, sun, path, settings, StencilVolume::default()));
+    let mut run = |world: &mut World, step: u32| {
+        let mut view = world
+            .get_mut::<GlobalTransform>(camera)
+            .expect("it stands somewhere");
+        view.set_if_neq(place(0.01 * step as f32, 2.0, 8.0));
+        frame.run(world);
+        world.clear_trackers();
+    };
+    for step in 0..4 {
+        run(&mut world, step);
+    }
+    let lights = world.resource::<antumbra::sets::FrameLights>();
+    let counts: Vec<_> = lights
+        .lights
+        .iter()
+        .map(|light| [&light.sets.i, &light.sets.s].map(|set| set.count_ones(..)))
+        .collect();
+    // The plane casts nothing on what is above it.
+    assert_eq!(counts, [[2, 2], [1, 1], [1, 1]], "the light, the plane, the box");
+    for step in [3, 3, 4, 5, 4] {
+        assert_eq!(allocations(|| run(&mut world, step)), 0, "step {step}");
+    }
 }
 
 /// A ball that reaches into a shade of many triangles and into the plane above it.

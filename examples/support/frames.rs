@@ -93,7 +93,7 @@ impl Stage {
     fn draw_targets(&mut self, with_visibility: bool) -> Result<Option<Drawn>, RenderError> {
         self.run();
         let size = self.world.resource::<ViewportSize>().0;
-        let light_count = self.world.resource::<FrameLights>().lights.len();
+        let light_count = self.world.resource::<FrameLights>().scene_count();
         let mut renderer = self.world.resource_mut::<Renderer>();
         if let Some(failure) = renderer.take_failure() {
             return Err(failure);

@@ -1,9 +1,12 @@
-//! Techniques in a shot file: `{"technique": NAME}` with settings beside the name.
+//! Techniques in a shot file: `{"technique": NAME}` with settings beside the name, and under `moving` a second technique.
 
 use antumbra::techniques::{Settings, Techniques};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
+
+/// The key of the second technique, among the settings of one that leaves objects to it.
+const MOVING: &str = "moving";
 
 /// A technique and its settings as the file has them.
 #[derive(Clone, Debug, Deserialize)]
@@ -49,6 +52,13 @@ pub fn shadow_schema(techniques: &Techniques, of: &mut SchemaGenerator) -> Value
         if let Some(settings) = schema.get_mut("properties").and_then(Value::as_object_mut) {
             flatten_softness(settings);
             properties.extend(std::mem::take(settings));
+        }
+        if row.leaves_others() {
+            let moving = json!({
+                "$ref": "#/$defs/ShotShadow",
+                "description": "Another technique, which shadows by what this one does not know, and on it: what moves.",
+            });
+            properties.insert(MOVING.to_owned(), moving);
         }
         schema["properties"] = Value::Object(properties);
         schema["required"] = Value::Array(required);
@@ -103,6 +113,11 @@ impl ShotShadow {
 
     /// Makes paths among the settings relative to the current folder instead of to `folder`.
     pub fn find_files(&mut self, folder: &std::path::Path, techniques: &Techniques) {
+        if let Some(Value::Object(moving)) = self.0.get_mut(MOVING) {
+            let mut second = Self(std::mem::take(moving));
+            second.find_files(folder, techniques);
+            *moving = second.0;
+        }
         let name = self.0.get("technique").and_then(Value::as_str);
         let row = name.and_then(|name| techniques.named(name));
         for &key in row.map_or(&[][..], |row| row.paths()) {
@@ -141,6 +156,9 @@ impl ShotShadow {
                 names()
             )
         })?;
+        if row.leaves_others() {
+            settings.remove(MOVING);
+        }
         nest_softness(&mut settings);
         check_softness(&settings)?;
         let mut track = serde_path_to_error::Track::new();
@@ -152,6 +170,30 @@ impl ShotShadow {
                 "." => format!("shadow: {error}"),
                 path => format!("shadow.{path}: {error}"),
             })
+    }
+}
+
+impl ShotShadow {
+    /// Returns the settings of the second technique; `None` without one.
+    ///
+    /// # Errors
+    /// Names the setting and says what is wrong with it.
+    pub fn moving(&self, techniques: &Techniques) -> Result<Option<Settings>, String> {
+        let moving = match self.0.get(MOVING) {
+            None => return Ok(None),
+            Some(Value::Object(moving)) => Self(moving.clone()),
+            Some(other) => return Err(format!("shadow.moving: {other} must be an object")),
+        };
+        let settings = moving
+            .settings(techniques)
+            .map_err(|error| error.replacen("shadow", "shadow.moving", 1))?;
+        match settings {
+            Some(settings) if settings.row().leaves_others() => Err(format!(
+                "shadow.moving.technique: {} cannot be the second technique",
+                settings.row().name()
+            )),
+            settings => Ok(settings),
+        }
     }
 }
 

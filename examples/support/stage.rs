@@ -104,6 +104,9 @@ impl Stage {
                 for (index, light) in lights.iter().enumerate() {
                     let parts = light.parts(&shot.techniques)?;
                     let entity = stage.spawn_shadowed(parts.light, parts.transform, parts.shadow.as_ref());
+                    if let Some(moving) = &parts.moving {
+                        stage.shadow(entity, moving);
+                    }
                     if let Some(path) = parts.path {
                         stage.world.entity_mut(entity).insert(path);
                     }

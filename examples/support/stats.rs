@@ -191,7 +191,8 @@ fn loop_count(silhouette: &Silhouette) -> usize {
 }
 
 fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
-    let light = &world.resource::<FrameLights>().lights[index];
+    let frame = world.resource::<FrameLights>();
+    let light = &frame.lights[index];
     let silhouettes = world.resource::<Silhouettes>();
     let (mut edges, mut loops) = (0, 0);
     if let Some(known) = silhouettes.of_light(light.entity) {
@@ -202,11 +203,10 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
             }
         }
     }
-    let active = renderer
-        .frame()
-        .lights
-        .iter()
-        .find(|active| active.light == index);
+    let drawn = renderer.frame();
+    let mut companions = drawn.companions.iter().map(|companion| &companion.shadow);
+    let active = drawn.lights.iter().find(|active| active.light == index);
+    let active = active.or_else(|| companions.find(|active| active.light == index));
     let mut of_techniques = Statistics::default();
     for row in world.resource::<Techniques>().rows() {
         row.statistics(world, index, &mut of_techniques);
@@ -227,5 +227,12 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
         "shadow_batches": active.map_or(0, |active| renderer.shadow_batch_count(active)),
         "light_batches": active.map_or(0, |active| active.batches.len()),
     });
-    with_statistics(stats, &of_techniques)
+    let mut stats = with_statistics(stats, &of_techniques);
+    // What the second technique of a light shadows.
+    for (companion, light) in frame.companions_of(light.entity) {
+        if let Some(of) = light.companion_of {
+            stats["moving"][of.part.name()] = light_stats(world, renderer, companion);
+        }
+    }
+    stats
 }

@@ -1,7 +1,7 @@
 // The visibility that the light pass used, as a picture. The target is cleared to 1. Surfaces of the light's
 // set I then write 0 where the stencil test finds them shadowed, or their mask.
 // Host    src/render/nodes/visibility.rs
-// Groups  0 view, 2 material; `masked` also 3 mask
+// Groups  0 view, 2 material; `masked` and `darker` also 3 mask
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
 #import antumbra::mask::visibility
 
@@ -24,4 +24,10 @@ fn lit(in: Fragment) -> @location(0) vec4f {
 @fragment
 fn masked(in: Fragment) -> @location(0) vec4f {
     return vec4f(visibility(in.position_clip.xy).a);
+}
+
+// All of a companion's mask, by which it darkens the mask of its light.
+@fragment
+fn darker(in: Fragment) -> @location(0) vec4f {
+    return visibility(in.position_clip.xy);
 }

@@ -125,7 +125,7 @@ fn publish_diagnostics(mut main: ResMut<MainWorld>, mirrors: Option<Res<Mirrors>
 
 fn counts(mirror: &Mirror) -> Sums {
     let world = &mirror.world;
-    let lights = &world.resource::<FrameLights>().lights;
+    let lights = world.resource::<FrameLights>().of_scene();
     let silhouettes = world.resource::<Silhouettes>();
     let (mut receivers, mut casters, mut edges) = (0, 0, 0);
     for light in lights {

@@ -84,7 +84,7 @@ impl AntumbraGizmos {
     /// Adds the lines of a camera's last frame.
     fn collect(&self, mirror: &Mirror, out: &mut DebugLines) {
         let world = &mirror.world;
-        let lights = &world.resource::<FrameLights>().lights;
+        let lights = world.resource::<FrameLights>().of_scene();
         let chosen = self.light.map(|light| mirror.get(light));
         let is_shown = |entity: Entity| chosen.is_none_or(|chosen| chosen == Some(entity));
         let shown = (0..lights.len()).filter(|&light| is_shown(lights[light].entity));

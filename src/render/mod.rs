@@ -28,7 +28,7 @@ pub(crate) mod shaders;
 pub use context::{RenderContext, RenderError, RequestedFeatures};
 pub use frame::draw_list::{Batch, Variant};
 pub use frame::frame_data::{
-    ActiveLight, FrameData, LightShadow, LightSlot, MatrixWork, TechniqueIndex, Viewport,
+    ActiveCompanion, ActiveLight, FrameData, LightShadow, LightSlot, MatrixWork, TechniqueIndex, Viewport,
 };
 pub use frame::hosted::{HostFrame, HostView, stencil_lit, stencil_shadowed};
 pub use frame::pixel_measures::SurfacePlane;

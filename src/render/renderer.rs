@@ -9,6 +9,7 @@ use bevy_ecs::prelude::*;
 use super::frame::draw_list::DrawListBuilder;
 use super::frame::frame_data::{ActiveLight, FrameData};
 use super::frame::hosted::HostView;
+use super::frame::labels::LightLabels;
 use super::frame::targets::{MaskTargets, RadianceTarget};
 use super::gpu::bind_groups::bind_in_order;
 use super::gpu::buffers::GrowingBuffer;
@@ -18,6 +19,7 @@ use super::light_function::LightFunction;
 use super::light_model::barn_maps::BarnMapParts;
 use super::light_model::function::{LightModelFunction, is_scaled};
 use super::light_model::textures::function::LightTextureFunction;
+use super::nodes::darker_mask::DarkerMask;
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
@@ -71,6 +73,7 @@ pub struct Renderer {
     has_light_model: bool,
     has_light_textures: bool,
     pub(super) stencil_to_mask: Option<StencilToMask>,
+    pub(super) darker_mask: Option<DarkerMask>,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
     pub(super) host: Option<HostView>,
@@ -82,7 +85,7 @@ pub struct Renderer {
     pub(super) front: Option<FrameTargets>,
     pub(super) masks: Option<MaskTargets>,
     pub(super) depth_copy: DepthCopy,
-    pub(super) labels: Vec<String>,
+    pub(super) labels: LightLabels,
     pub(super) frame: FrameData,
     pub(super) timings: Timings,
     pub(super) failure: Option<RenderError>,
@@ -143,6 +146,7 @@ impl Renderer {
             has_light_model: false,
             has_light_textures: false,
             stencil_to_mask: None,
+            darker_mask: None,
             targets: None,
             radiance: None,
             host: None,
@@ -154,7 +158,7 @@ impl Renderer {
             front: None,
             masks: None,
             depth_copy: DepthCopy::new(&gpu)?,
-            labels: Vec::new(),
+            labels: LightLabels::default(),
             frame: FrameData::default(),
             timings: Timings::new(context),
             failure: None,
@@ -281,11 +285,15 @@ impl Renderer {
         light.technique.map_or("none", |technique| technique.name)
     }
 
-    /// The number of draw calls that the shadows of one light of the frame take.
+    /// The number of draw calls that the shadows of one light of the frame take, with those of its companions.
     pub fn shadow_batch_count(&self, light: &ActiveLight) -> usize {
-        light.shadow.map_or(0, |shadow| {
+        let own = light.shadow.map_or(0, |shadow| {
             self.techniques[shadow.technique.0].batch_count(light.light)
-        })
+        });
+        let companions = self.frame.companions_of(light);
+        own + companions
+            .map(|companion| self.shadow_batch_count(companion))
+            .sum::<usize>()
     }
 
     /// The error of the last prepared frame, unless [`Renderer::take_failure`] has taken it.

@@ -55,6 +55,7 @@ pub const FILES: &[ShaderFile] = shader_files![
     "common/factors.wgsl",
     "common/front.wgsl",
     "passes/ambient.wgsl",
+    "passes/darker_mask.wgsl",
     "passes/depth_copy.wgsl",
     "passes/full_screen.wgsl",
     "passes/host_depth.wgsl",

@@ -49,6 +49,7 @@ pub use index::clusters::{Clusters, Found};
 pub use index::collect_objects::collect_objects;
 pub use index::objects::Objects;
 pub use light::clearance::{LightClearance, Surroundings};
+pub use light::companion::{ActsOn, CompanionOf, CompanionPart, LeftObjects, ObjectFilter};
 pub use light::depth_bounds::{DepthBounds, shadow_depth_range};
 pub use light::frame_light::{FrameLight, LightHulls, LightRegion, LightSets};
 pub use light::frame_lights::{FrameLights, SkippedLight, collect_frame_lights};

@@ -48,8 +48,7 @@ pub fn find_buried_origins(
         };
         let mut around = None;
         for object in light.sets.reach.intersection(&objects.casters) {
-            let casts = objects.layers[object] & light.selection.casts_for != 0;
-            if !casts || !objects.boxes.get(object).contains(origin) {
+            if !light.casts(&objects, object) || !objects.boxes.get(object).contains(origin) {
                 continue;
             }
             let caster = objects.entities[object];

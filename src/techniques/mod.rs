@@ -1,8 +1,9 @@
 //! Shadow techniques. Each has a folder with its component, its CPU geometry and systems, and its recorder.
 //!
 //! A technique is a component on a light. Each light chooses its own technique, and any mix renders in one
-//! frame. A technique computes visibility: 1 where a surface point sees the whole light, 0 where it sees none
-//! of it. The light pass multiplies by visibility and knows nothing else about techniques.
+//! frame. A technique that knows only a part of the scene leaves the rest to a second one on the same light
+//! ([`Technique::LEAVES_OTHERS`]). A technique computes visibility: 1 where a surface point sees the whole light,
+//! 0 where it sees none of it. The light pass multiplies by visibility and knows nothing else about techniques.
 //!
 //! [`Technique`] is the trait, and [`add_builtin`] is the list of the crate's techniques. A new technique of
 //! the crate is a folder here and a line in that list. A technique of another crate is a type that implements
@@ -20,7 +21,7 @@ pub(crate) mod shared;
 pub mod smoothie;
 pub mod stencil_volume;
 
-pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
+pub use crate::sets::{LeftObjects, LightTechnique, NeededSilhouettes, Needs};
 /// The crate whose deserializers [`Technique::parse`] reads from.
 #[cfg(feature = "serde")]
 pub use erased_serde;
@@ -36,8 +37,8 @@ pub use perspective_map::{
     MapFocus, PerspectiveFaces, PerspectiveMap, PerspectiveMaps, PerspectiveProjection,
 };
 pub use registry::{
-    AddTechnique, FileError, Refusal, Row, Settings, Statistic, Statistics, SurfacePatch, Technique,
-    TechniqueSystems, Techniques, TexelLookup, add_builtin, add_row, choose_techniques,
+    AddTechnique, FileError, LeavingSystems, Refusal, Row, Settings, Statistic, Statistics, SurfacePatch,
+    Technique, TechniqueSystems, Techniques, TexelLookup, add_builtin, add_row, choose_techniques,
 };
 #[cfg(feature = "schema")]
 pub use schemars;

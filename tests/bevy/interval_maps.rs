@@ -117,3 +117,77 @@ fn a_game_bakes_its_scene_and_its_sun_follows_the_path() {
     assert_eq!(messages(&mut game), [] as [String; 0]);
     std::fs::remove_dir_all(&folder).expect("it is removed");
 }
+
+/// A second technique on the light shadows by what is not in the maps, and on it.
+#[test]
+fn a_mesh_that_was_not_baked_casts_and_receives_by_the_lights_second_technique() {
+    let mut app = harness::antumbra();
+    let world = app.world_mut();
+    let camera = marked_camera(world, Vec3::new(0.0, 4.0, 4.0));
+    add_mesh(
+        world,
+        Plane3d::default().mesh().size(5.0, 5.0),
+        Transform::IDENTITY,
+    );
+    add_mesh(
+        world,
+        Cuboid::new(0.8, 1.0, 0.8),
+        Transform::from_xyz(-0.6, 0.5, 0.0),
+    );
+    let path = LightPath::Arc {
+        direction: Vec3::new(-1.0, -0.7, -0.4),
+        axis: Vec3::Z,
+        degrees: 100.0,
+    };
+    let light = DirectionalLight {
+        illuminance: 3000.0,
+        ..default()
+    };
+    let light = world.spawn((light, path.clone(), Transform::default())).id();
+    let mut game = Game::start(app);
+    game.run(2);
+    let mut still = still_scene(game.world(), |_| false);
+    let folder = std::env::temp_dir().join(format!("antumbra-{}-bevy-moving", std::process::id()));
+    let settings = BakeSettings {
+        texels_per_metre: 4.0,
+        ..default()
+    };
+    bake_into(&folder, &mut still, &path, &settings, |_| ()).expect("it is baked");
+    game.world().entity_mut(light).insert(OcclusionInterval {
+        maps: folder.to_string_lossy().into_owned(),
+        time: 0.3,
+        ..default()
+    });
+    // It hangs beside the box and over the ground.
+    add_mesh(
+        game.world(),
+        Cuboid::new(0.6, 0.1, 0.6),
+        Transform::from_xyz(0.9, 1.2, 0.2),
+    );
+    let count = |game: &mut Game| {
+        let reports = game.world().resource::<Reports>();
+        reports.iter().count()
+    };
+    let alone = game.run(3).settled(camera);
+    assert_eq!(
+        count(&mut game),
+        1,
+        "it is said that one receiver is not in the maps"
+    );
+    game.world().entity_mut(light).insert(StencilVolume::default());
+    let both = game.run(3).settled(camera);
+    assert_eq!(count(&mut game), 0);
+    let (more, less) = (darker(&both, &alone), darker(&alone, &both));
+    println!("{more} pixels are darker with a second technique, {less} brighter");
+    assert!(more > 60 && less == 0, "{more} darker, {less} brighter");
+    game.world().entity_mut(light).remove::<StencilVolume>();
+    assert_eq!(game.run(3).settled(camera), alone, "and it goes again");
+    game.world().entity_mut(light).insert(ShadowMap::default());
+    let mapped = game.run(3).settled(camera);
+    let mapped = darker(&mapped, &alone);
+    assert!(
+        mapped.abs_diff(more) * 4 < more,
+        "{mapped} by a map, {more} by volumes"
+    );
+    std::fs::remove_dir_all(&folder).expect("it is removed");
+}

@@ -24,7 +24,7 @@ mod way;
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::techniques::Techniques;
+use antumbra::techniques::{Settings, Techniques};
 use antumbra_stage as support;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -34,6 +34,7 @@ use support::stage::{PICTURE_FORMAT, Stage};
 use support::stats;
 
 use crate::harness::{own_context, strict_context};
+use crate::occlusion_interval::companions::{visibility, with_boxes};
 use veil::Veil;
 
 fn techniques() -> Techniques {
@@ -99,6 +100,31 @@ fn what_is_wrong_in_a_shot_file_is_named() {
         line.contains("no technique is called `veil`; choose one of none, stencil_volume"),
         "{line}"
     );
+}
+
+/// Of a light with baked shadows it shows what is not in the maps.
+#[test]
+fn it_is_the_second_technique_of_a_light_with_baked_shadows() {
+    let mut stage = with_boxes(0.4, 0.0);
+    let alone = visibility(&mut stage);
+    stage.shadow(stage.lights[0], &Settings::of(Veil { seen: 0.5 }));
+    let both = visibility(&mut stage);
+    let count = |of: f32| both.iter().filter(|&&v| v == of).count();
+    assert!(
+        count(0.5) > 2000 && count(0.0) > 500,
+        "{} {}",
+        count(0.5),
+        count(0.0)
+    );
+    for (both, alone) in both.iter().zip(&alone) {
+        let is_nothing = *both == 1.0 && *alone == 1.0;
+        assert!(
+            is_nothing || *both == alone.min(0.5),
+            "the darker of both: {both} {alone}"
+        );
+    }
+    stage.world.entity_mut(stage.lights[0]).remove::<Veil>();
+    assert!(visibility(&mut stage) == alone);
 }
 
 #[test]

@@ -81,9 +81,14 @@ fn spawn(light: &LightDoc, parts: &LightParts, side: Side, schemas: &Schemas) ->
     if let Some(path) = &parts.path {
         let _ = writeln!(code, "        {},", light_path(path));
     }
-    if let Some(shadow) = &parts.shadow {
+    let first = &light.shadows[side.index()];
+    let second = first.get("moving").and_then(Value::as_object);
+    for (shadow, settings) in [(&parts.shadow, Some(first)), (&parts.moving, second)] {
+        let (Some(shadow), Some(settings)) = (shadow, settings) else {
+            continue;
+        };
         let row = shadow.row();
-        let mut settings = light.shadows[side.index()].clone();
+        let mut settings = settings.clone();
         nest_softness(&mut settings);
         let schema = schemas.technique(row.name());
         let value = match schema {

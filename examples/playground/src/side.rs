@@ -203,11 +203,13 @@ impl SideStage {
             Shading::Given => {}
             Shading::Techniques(_) if self.applied[index].shadow == shadow => {}
             Shading::Techniques(_) => {
-                let row = parts.shadow.as_ref().map(|shadow| shadow.row());
-                for other in techniques.rows().iter().filter(|other| Some(**other) != row) {
-                    other.remove(&mut entity);
+                let shadows = || parts.shadow.iter().chain(&parts.moving);
+                for row in techniques.rows() {
+                    if shadows().all(|shadow| shadow.row() != *row) {
+                        row.remove(&mut entity);
+                    }
                 }
-                if let Some(shadow) = &parts.shadow {
+                for shadow in shadows() {
                     shadow.insert(&mut entity);
                 }
             }

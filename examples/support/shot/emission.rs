@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use antumbra::prelude::*;
-use antumbra::techniques::{Row, Techniques};
+use antumbra::techniques::{Row, Settings, Techniques};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 use schemars::JsonSchema;
@@ -252,13 +252,21 @@ impl ShotEmission {
             range: range.unwrap_or(f32::INFINITY),
         };
         light.validate().map_err(|error| error.to_string())?;
-        let shadow = shadow
-            .map(|shadow| shadow.settings(techniques))
-            .transpose()?
-            .flatten();
-        if let Some(shadow) = &shadow {
-            shadow.check(&light).map_err(|error| format!("shadow: {error}"))?;
-        }
+        let given = shadow;
+        let settings = |of: fn(&ShotShadow, &Techniques) -> Result<Option<Settings>, String>, key: &str| {
+            let settings = given
+                .as_ref()
+                .map(|shadow| of(shadow, techniques))
+                .transpose()?
+                .flatten();
+            let checked = settings
+                .as_ref()
+                .map_or(Ok(()), |settings| settings.check(&light));
+            checked.map_err(|error| format!("{key}: {error}"))?;
+            Ok::<_, String>(settings)
+        };
+        let shadow = settings(ShotShadow::settings, "shadow")?;
+        let moving = settings(ShotShadow::moving, "shadow.moving")?;
         let shows = |row: Row| row.needs().emitter_texture;
         if picture.is_some() && !shadow.as_ref().is_some_and(|shadow| shows(shadow.row())) {
             let rows = techniques.rows().iter().filter(|row| shows(**row));
@@ -269,6 +277,7 @@ impl ShotEmission {
             light,
             transform,
             shadow,
+            moving,
             texture: picture,
             model: ShotModel::default(),
             path: None,

@@ -108,6 +108,8 @@ pub struct LightParts {
     pub transform: Transform,
     /// Technique with its settings, if any.
     pub shadow: Option<Settings>,
+    /// The second technique with its settings, if any: what shadows by things that the technique does not know.
+    pub moving: Option<Settings>,
     /// Path of the picture with the light's colours, if any.
     pub texture: Option<PathBuf>,
     /// The light model.

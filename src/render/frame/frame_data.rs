@@ -9,7 +9,7 @@ use glam::UVec2;
 use super::draw_list::Batch;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
 use crate::render::recorder::ShadowKind;
-use crate::sets::LightTechnique;
+use crate::sets::{CompanionPart, LightTechnique};
 
 /// The part of the targets that the view covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,6 +84,31 @@ pub struct ActiveLight {
     /// The part of the light's scissor that shows its blended surfaces: x, y, width, height, in pixels of the
     /// targets.
     pub front_scissor: [u32; 4],
+    /// Range of [`FrameData::companions`]: those that complete the shadow of the light.
+    pub companions: Range<usize>,
+}
+
+/// The part of the picture and the depths that a light reaches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightArea {
+    /// Rectangle of the light: x, y, width, height, in pixels of the targets.
+    pub scissor: [u32; 4],
+    /// Nearest and farthest depth that the light reaches, 1 ≥ near ≥ far ≥ 0.
+    pub depth_range: (f32, f32),
+}
+
+/// One companion of a light of the frame, ready to record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActiveCompanion {
+    /// The companion as a light that shadows but is not added. Its slot is that of the light that it completes. Of its surfaces
+    /// only those are listed that its passes draw.
+    pub shadow: ActiveLight,
+    /// The receivers on which it shadows.
+    pub part: CompanionPart,
+    /// True if some caster can shadow what is seen.
+    pub casts: bool,
+    /// True if it shadows everything that is seen of its light, because the technique of the light knows nothing of it.
+    pub is_alone: bool,
 }
 
 impl ActiveLight {
@@ -153,6 +178,8 @@ pub struct FrameData {
     pub weighted: Range<usize>,
     /// The lights that have something to light.
     pub lights: Vec<ActiveLight>,
+    /// The companions of the lights, in the order of the lights.
+    pub companions: Vec<ActiveCompanion>,
     /// For lights by index into [`FrameLights`](crate::sets::FrameLights), ranges of `batches` with the
     /// surfaces that the light does not see. They are drawn only into pictures of the light's visibility.
     pub dark: Vec<(usize, Range<usize>)>,
@@ -183,11 +210,21 @@ impl FrameData {
         self.batches.clear();
         self.instances.clear();
         self.lights.clear();
+        self.companions.clear();
         self.dark.clear();
         self.blended.clear();
         self.blended_lights.clear();
         self.ambient = 0..0;
         self.weighted = 0..0;
+    }
+
+    /// Returns the companions of a light of the frame, as lights that are not added.
+    pub fn companions_of<'a>(
+        &'a self,
+        light: &ActiveLight,
+    ) -> impl Iterator<Item = &'a ActiveLight> + use<'a> {
+        let companions = &self.companions[light.companions.clone()];
+        companions.iter().map(|companion| &companion.shadow)
     }
 
     /// Returns whether a shadowed light reaches a blended surface.

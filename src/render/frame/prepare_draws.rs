@@ -3,14 +3,16 @@
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
+use super::companions::{collect_companions, collect_front_companions};
 use super::draw_list::{Batch, DrawListBuilder, DrawListInput, ItemFilter, Shadows, Variant};
-use super::frame_data::{ActiveLight, FrameData, LightSlot};
+use super::frame_data::{ActiveLight, FrameData, LightArea, LightSlot, Viewport};
 use super::front_surfaces::collect_front;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
 use crate::render::pools::light_constants::light_constants;
 use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::{NO_MESH, distance_from_eye};
 use crate::render::renderer::Renderer;
+use crate::render::settings::RenderSettings;
 use crate::scene::FaceCulling;
 use crate::sets::{FrameLight, FrameLights, Objects, View, ViewData, VisibleSet};
 
@@ -94,11 +96,11 @@ fn collect_draws(
         }
     }
     let has_weights = !frame.weighted.is_empty();
-    for (index, light) in lights.lights.iter().enumerate() {
-        if labels.len() <= index {
-            labels.push(format!("light {index}"));
-        }
-        let Some(scissor) = light.region.scissor else {
+    labels.follow(lights);
+    let viewport = frame.viewport;
+    let area_of = |light: &FrameLight| light_area(light, settings, viewport, current);
+    for (index, light) in lights.of_scene().iter().enumerate() {
+        let Some(area) = area_of(light) else {
             continue; // nothing that is visible receives it
         };
         let shadow = light
@@ -125,8 +127,6 @@ fn collect_draws(
             unlit = draw_lists.build(&input, set, opaque, UNSHOWN, batches, instances);
         }
         uniforms.constants.push(&light_constants(light, current.eye));
-        let bounds = light.region.depth_bounds.filter(|_| settings.depth_bounds);
-        let [width, height] = current.viewport.to_array();
         let slot = LightSlot(frame.lights.len());
         frame.lights.push(ActiveLight {
             entity: light.entity,
@@ -137,23 +137,42 @@ fn collect_draws(
             is_scaled: functions.iter().any(|function| function.scales(index))
                 || (is_hosted && shadow.is_some() && shows_selectively(light, objects)),
             is_tinted,
-            scissor: frame.viewport.place(if settings.scissor {
-                [scissor.x, scissor.y, scissor.width, scissor.height]
-            } else {
-                [0, 0, width, height]
-            }),
-            depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
+            scissor: area.scissor,
+            depth_range: area.depth_range,
             batches: drawn,
             unlit,
             front: 0..0,
             front_scissor: [0; 4],
+            companions: 0..0,
         });
     }
+    collect_companions(frame, (draw_lists, &input), lights, techniques, area_of);
     collect_dark(frame, draw_lists, &input, lights);
     if !is_hosted {
         collect_blended(frame, &input, meshes, (visible, lights), current);
         collect_front(frame, &input, objects, lights, current);
+        collect_front_companions(frame, lights);
     }
+}
+
+/// Returns the part of the picture and the depths that a light reaches; `None` if it reaches nothing visible.
+fn light_area(
+    light: &FrameLight,
+    settings: &RenderSettings,
+    viewport: Viewport,
+    current: &ViewData,
+) -> Option<LightArea> {
+    let scissor = light.region.scissor?;
+    let bounds = light.region.depth_bounds.filter(|_| settings.depth_bounds);
+    let [width, height] = current.viewport.to_array();
+    Some(LightArea {
+        scissor: viewport.place(if settings.scissor {
+            [scissor.x, scissor.y, scissor.width, scissor.height]
+        } else {
+            [0, 0, width, height]
+        }),
+        depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
+    })
 }
 
 /// Collects the surfaces that lights do not see, for pictures of visibility.
@@ -164,7 +183,7 @@ fn collect_dark(
     lights: &FrameLights,
 ) {
     let not_clear = |(_, light): &(usize, &FrameLight)| !light.sets.dark.is_clear();
-    for (index, light) in lights.lights.iter().enumerate().filter(not_clear) {
+    for (index, light) in lights.of_scene().iter().enumerate().filter(not_clear) {
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
         let (lit, nowhere) = (ItemFilter::OpaqueLit, UNSHOWN);
         let drawn = draw_lists.build(input, &light.sets.dark, lit, nowhere, batches, instances);

@@ -18,8 +18,8 @@ pub struct FrameOutputs<'a> {
     /// ([`Renderer::prepare_output`]).
     pub picture: Option<&'a wgpu::TextureView>,
     /// One view of the format [`VISIBILITY_FORMAT`](crate::render::nodes::pipelines::VISIBILITY_FORMAT) for
-    /// each light of [`FrameLights`](crate::sets::FrameLights), or an empty slice for no pictures of
-    /// visibility.
+    /// each light of the scene ([`FrameLights::of_scene`](crate::sets::FrameLights::of_scene)), or an empty
+    /// slice for no pictures of visibility.
     pub visibility: &'a [wgpu::TextureView],
 }
 
@@ -117,7 +117,7 @@ impl Renderer {
             meshes: &self.meshes,
             materials: &self.materials,
             timings: &self.timings,
-            labels: &self.labels,
+            labels: self.labels.all(),
         };
         for technique in self.techniques.iter() {
             technique.draw_pictures(encoder, &input);
@@ -147,9 +147,11 @@ impl Renderer {
         for light in &self.frame.lights {
             let [x, y, width, height] = light.scissor;
             pass.set_scissor_rect(x, y, width, height);
-            if let Some(shadow) = light.shadow {
-                let input = LightSurfaces::Opaque.record_input(self, light);
-                self.techniques[shadow.technique.0].debug(light.light, &mut pass, &input);
+            for light in [light].into_iter().chain(self.frame.companions_of(light)) {
+                if let Some(shadow) = light.shadow {
+                    let input = LightSurfaces::Opaque.record_input(self, light);
+                    self.techniques[shadow.technique.0].debug(light.light, &mut pass, &input);
+                }
             }
         }
     }

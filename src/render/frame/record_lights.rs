@@ -5,6 +5,7 @@ use super::frame_data::ActiveLight;
 use super::front_lights::LightSurfaces;
 use super::record::FrameOutputs;
 use super::recording::Recording;
+use super::targets::MaskTargets;
 use crate::render::nodes;
 use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::nodes::visibility::Shadow;
@@ -37,7 +38,7 @@ impl Renderer {
 
     /// The label of one light's pass.
     pub(in crate::render) fn label_of(&self, light: &ActiveLight) -> &str {
-        &self.labels[light.light]
+        &self.labels.all()[light.light]
     }
 
     /// Records one pass for the lights of a group, after the passes that leave their masks.
@@ -68,7 +69,10 @@ impl Renderer {
         let Some(masks) = &self.masks else { return };
         let any = |reads: fn(&ActiveLight) -> bool| {
             let mut lights = self.frame.lights.iter();
-            lights.any(|light| reads(light) && !surfaces.batches(light).is_empty())
+            lights.any(|light| {
+                let reads = || reads(light) || self.frame.companions_of(light).any(reads);
+                reads() && !surfaces.batches(light).is_empty()
+            })
         };
         if any(ActiveLight::reads_depth) {
             self.depth_copy.record(frame, masks);
@@ -84,7 +88,9 @@ impl Renderer {
 
     /// Returns whether the technique of any light with a mask reads the receivers' planes.
     pub(in crate::render) fn reads_planes(&self) -> bool {
-        self.frame.lights.iter().any(ActiveLight::reads_planes)
+        let companions = self.frame.companions.iter().map(|companion| &companion.shadow);
+        let mut lights = self.frame.lights.iter().chain(companions);
+        lights.any(ActiveLight::reads_planes)
     }
 
     /// Leaves the mask of a light that has one: the visibility that its technique resolves, times the
@@ -98,30 +104,14 @@ impl Renderer {
         let Some(masks) = self.masks.as_ref().filter(|_| light.has_mask()) else {
             return;
         };
-        let scissor = surfaces.scissor(light);
-        let input = ResolveInput {
-            context: &self.gpu.context,
-            record: surfaces.record_input(self, light),
-            radiance: frame.canvas.radiance,
-            targets: frame.canvas.targets,
-            masks,
-            scissor,
-            depth_range: light.depth_range,
-            light_begin: &self.light_begin,
-            timings: &self.timings,
-            label: self.label_of(light),
-            labels: &self.labels,
-        };
+        let input = self.resolve_input(frame, light, surfaces, masks);
+        let scissor = input.scissor;
         match self.leaves(light) {
             Some(Leaves::Mask(resolve)) => resolve.resolve(light.light, frame.encoder, &input),
-            Some(Leaves::Stencil(mark)) => {
-                self.mark_apart(frame, light, mark, &input);
-                if let Some(stencil_to_mask) = &self.stencil_to_mask {
-                    stencil_to_mask.record(frame, masks, scissor);
-                }
-            }
+            Some(Leaves::Stencil(mark)) => self.mask_of_stencil(frame, light, mark, &input),
             None => nodes::light_function::clear(frame, masks, scissor),
         }
+        self.darken_by_companions(frame, light, surfaces);
         // In our own frames, surfaces that show no shadow of a tinted light have a shader of their own.
         let own_shader = light.is_tinted && self.host.is_none();
         if (light.is_scaled || light.is_tinted) && !own_shader {
@@ -129,6 +119,43 @@ impl Renderer {
             nodes::light_function::record_unshadowed(frame, masks, scissor, batches);
         }
         self.scale_mask(frame, light, &input);
+    }
+
+    /// Everything that a technique may use to leave the mask of a light or companion in `masks`.
+    pub(in crate::render) fn resolve_input<'a>(
+        &'a self,
+        frame: &Recording<'a>,
+        light: &ActiveLight,
+        surfaces: LightSurfaces,
+        masks: &'a MaskTargets,
+    ) -> ResolveInput<'a> {
+        ResolveInput {
+            context: &self.gpu.context,
+            record: surfaces.record_input(self, light),
+            radiance: frame.canvas.radiance,
+            targets: frame.canvas.targets,
+            masks,
+            scissor: surfaces.scissor(light),
+            depth_range: light.depth_range,
+            light_begin: &self.light_begin,
+            timings: &self.timings,
+            label: self.label_of(light),
+            labels: self.labels.all(),
+        }
+    }
+
+    /// Marks the stencil of a light or companion, and makes its mask of it.
+    pub(in crate::render) fn mask_of_stencil(
+        &self,
+        frame: &mut Recording,
+        light: &ActiveLight,
+        mark: &dyn Mark,
+        input: &ResolveInput,
+    ) {
+        self.mark_apart(frame, light, mark, input);
+        if let Some(stencil_to_mask) = &self.stencil_to_mask {
+            stencil_to_mask.record(frame, input.masks, input.scissor);
+        }
     }
 
     /// Marks the stencil of a light in a pass of its own, before a mask is made of it.

@@ -49,6 +49,12 @@ impl Renderer {
                 require(SurfacePass::visibility(visibility), light.batches.clone());
             }
         }
+        for companion in &frame.companions {
+            for batches in [&companion.shadow.batches, &companion.shadow.front] {
+                require(SurfacePass::WholeMask, batches.clone());
+                require(SurfacePass::DarkerMask, batches.clone());
+            }
+        }
         for (_, batches) in &frame.dark {
             require(SurfacePass::Dark, batches.clone());
         }

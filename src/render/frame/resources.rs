@@ -2,12 +2,14 @@
 
 use glam::UVec2;
 
-use super::frame_data::ActiveLight;
+use super::frame_data::{ActiveCompanion, ActiveLight};
 use super::targets::{FrameTargets, MaskTargets, RadianceTarget};
 use crate::render::gpu::runs::joined;
+use crate::render::nodes::darker_mask::DarkerMask;
 use crate::render::nodes::host_weights::HostWeights;
 use crate::render::nodes::light_function::StencilToMask;
 use crate::render::pools::gpu_types;
+use crate::render::recorder::ShadowKind;
 use crate::render::renderer::{Renderer, bind_lights, bind_view};
 use crate::render::{Gpu, RenderError};
 
@@ -49,6 +51,16 @@ impl Renderer {
         if self.masks.is_none() && self.frame.lights.iter().any(ActiveLight::has_mask) {
             self.masks = Some(MaskTargets::new(context, layouts, targets)?);
         }
+        let companions = &self.frame.companions;
+        let mut companions = companions.iter().filter(|companion| companion.casts);
+        let is_marked = |companion: &ActiveCompanion| companion.shadow.kind() == Some(ShadowKind::Stencil);
+        let is_companion_marked = companions.clone().any(is_marked);
+        if let (Some(masks), true) = (&mut self.masks, companions.next().is_some()) {
+            masks.require_second(context, layouts)?;
+            if self.darker_mask.is_none() {
+                self.darker_mask = Some(DarkerMask::new(&self.gpu)?);
+            }
+        }
         let mut lights = self.frame.lights.iter();
         if let (Some(masks), true) = (&mut self.masks, lights.any(|light| light.is_tinted)) {
             masks.require_factors(context, layouts)?;
@@ -59,8 +71,9 @@ impl Renderer {
                 self.host_weights = Some(HostWeights::new(&self.gpu)?);
             }
         }
-        if self.stencil_to_mask.is_none() && self.frame.lights.iter().any(ActiveLight::makes_mask_of_stencil)
-        {
+        let is_marked =
+            is_companion_marked || self.frame.lights.iter().any(ActiveLight::makes_mask_of_stencil);
+        if self.stencil_to_mask.is_none() && is_marked {
             self.stencil_to_mask = Some(StencilToMask::new(&self.gpu)?);
         }
         if self.front.is_none() && self.frame.has_front_layer() {

@@ -7,7 +7,8 @@
 //! | receiver depth | [`DEPTH_COPY_FORMAT`] | written whole | depth copy | techniques that resolve masks |
 //! | receiver plane | [`RECEIVER_PLANE_FORMAT`] | no plane | receiver plane | techniques that ask for it |
 //! | front depth and stencil | as depth | copied from depth | front layer | lights of the front layer |
-//! | mask | [`MASK_FORMAT`] | by each technique, in the light's scissor | techniques | light accumulate, visibility |
+//! | mask | [`MASK_FORMAT`] | by each technique, in the light's scissor | techniques, darker mask | light accumulate, visibility |
+//! | companion mask | [`MASK_FORMAT`] | by each technique, in the companion's scissor | techniques | darker mask |
 //! | factors | [`MASK_FORMAT`] | 1 | light functions, if the light's shadow has a colour | light accumulate |
 //! | stencil | beside the depth | by each light, in its scissor | techniques | light accumulate, visibility |
 //!
@@ -192,6 +193,9 @@ pub struct MaskTargets {
     /// The weights of the surface that each pixel of a host's picture shows
     /// ([`SurfaceWeights`](crate::scene::SurfaceWeights)). It exists from the first hosted frame with such an object.
     pub surface_weights: Option<wgpu::TextureView>,
+    /// The textures that a companion of a light leaves its mask in: these, with another mask. They exist from the first frame
+    /// that has a companion.
+    pub second: Option<Box<Self>>,
 }
 
 /// The texture of the factors of light functions, of the size and format of the mask.
@@ -257,6 +261,7 @@ impl MaskTargets {
             mask_view,
             factors: None,
             surface_weights: None,
+            second: None,
         })
     }
 
@@ -276,6 +281,42 @@ impl MaskTargets {
             let views = [&self.mask_view, &view].map(wgpu::BindingResource::TextureView);
             let group = bind_in_order(&context.device, "masks", &layouts.masks, views);
             self.factors = Some(FactorTarget { view, group });
+        }
+        Ok(())
+    }
+
+    /// Makes the mask of companions if it is missing.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] beyond the device's largest texture.
+    pub fn require_second(
+        &mut self,
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+    ) -> Result<(), RenderError> {
+        if self.second.is_none() {
+            let size = UVec2::new(self.mask.width(), self.mask.height());
+            let mask = create_target(context, "companion mask", size, MASK_FORMAT)?;
+            let mask_view = mask.create_view(&Default::default());
+            let mask_group = bind_in_order(
+                &context.device,
+                "companion mask",
+                &layouts.mask,
+                [wgpu::BindingResource::TextureView(&mask_view)],
+            );
+            self.second = Some(Box::new(Self {
+                receiver_depth: self.receiver_depth.clone(),
+                receiver_depth_view: self.receiver_depth_view.clone(),
+                receiver_plane: self.receiver_plane.clone(),
+                receiver_plane_view: self.receiver_plane_view.clone(),
+                receiver_group: self.receiver_group.clone(),
+                mask,
+                mask_view,
+                mask_group,
+                factors: None,
+                surface_weights: None,
+                second: None,
+            }));
         }
         Ok(())
     }

@@ -136,6 +136,19 @@ pub const ADD: wgpu::BlendState = {
     }
 };
 
+/// Keeps the lesser of both, component by component.
+pub const LESSER: wgpu::BlendState = {
+    let component = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Min,
+    };
+    wgpu::BlendState {
+        color: component,
+        alpha: component,
+    }
+};
+
 #[derive(Default)]
 struct Entries {
     modules: HashMap<&'static str, wgpu::ShaderModule>,

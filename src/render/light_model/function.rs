@@ -126,7 +126,7 @@ impl LightFunction for LightModelFunction {
         let Some(view) = &world.resource::<View>().data else {
             return Ok(());
         };
-        for light in &world.resource::<FrameLights>().lights {
+        for light in world.resource::<FrameLights>().of_scene() {
             let is_drawn = is_scaled(light) && light.region.scissor.is_some();
             self.draws.push(is_drawn.then(|| {
                 Draw {

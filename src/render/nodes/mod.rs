@@ -2,6 +2,7 @@
 
 pub(crate) mod ambient;
 pub(crate) mod blended;
+pub(crate) mod darker_mask;
 pub(crate) mod depth_copy;
 pub(crate) mod front_layer;
 pub(crate) mod host_depth;

@@ -5,7 +5,7 @@ use super::surface_pass::SurfacePass;
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::frame::draw_list::{VARIANT_COUNT, Variant};
 use crate::render::frame::targets::{MASK_FORMAT, RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT};
-use crate::render::gpu::pipeline_cache::{ADD, PipelineDesc, Stage};
+use crate::render::gpu::pipeline_cache::{ADD, LESSER, PipelineDesc, Stage};
 use crate::render::pools::gpu_types::SurfaceVertex;
 use crate::render::{Gpu, RenderError};
 
@@ -269,6 +269,12 @@ impl SurfacePass {
             Self::WholeMask => PassState {
                 fragment: "lit",
                 unshadowed: "lit",
+                ..drawing(VISIBILITY, MASK_FORMAT)
+            },
+            Self::DarkerMask => PassState {
+                fragment: "darker",
+                groups: Groups::MaskedUnlit,
+                blend: Some(LESSER),
                 ..drawing(VISIBILITY, MASK_FORMAT)
             },
             Self::LightCount => PassState {

@@ -45,6 +45,8 @@ pub enum SurfacePass {
     FrontLightTinted,
     /// Writes 1 into the mask.
     WholeMask,
+    /// Darkens the mask by that of a companion.
+    DarkerMask,
     /// Adds 1 to the number of lights.
     LightCount,
     /// Draws depth where a host shows the surface.
@@ -77,6 +79,7 @@ impl SurfacePass {
             Self::LightTinted => "light tinted",
             Self::FrontLightTinted => "front light tinted",
             Self::WholeMask => "whole mask",
+            Self::DarkerMask => "darker mask",
             Self::LightCount => "light count",
             Self::HostSurface => "host surface",
         }

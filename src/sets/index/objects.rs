@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
 use super::boxes::{Boxes, GROUPS, Group, LANES, WORD};
-use super::clusters::{Clusters, around};
+use super::clusters::{Clusters, around, for_bits};
 use super::spatial_order::spatial_order;
 use crate::geometry::Aabb;
 use crate::scene::tasks;
@@ -191,6 +191,20 @@ impl Objects {
     /// Layers that all objects are on; all layers if there are no objects.
     pub fn common_layers(&self) -> u32 {
         self.common_layers
+    }
+
+    /// Bits of those objects of a word whose layers share a bit with the mask.
+    pub(in crate::sets) fn selected(&self, word: usize, bits: usize, mask: u32) -> usize {
+        if self.common_layers & mask != 0 {
+            return bits;
+        }
+        let mut result = 0;
+        for_bits(bits, |lane| {
+            if self.layers[word * WORD + lane] & mask != 0 {
+                result |= 1 << lane;
+            }
+        });
+        result
     }
 
     /// Whether any object moved in this frame.

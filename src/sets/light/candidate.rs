@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::Vec3;
 
+use super::companion::CompanionOf;
 use super::placing::Placed;
 use crate::scene::{Light, LightModel, LightSelection, LightTextures};
 
@@ -11,6 +12,8 @@ use crate::scene::{Light, LightModel, LightSelection, LightTextures};
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
     pub entity: Entity,
+    /// The light that the entity completes, if it is a companion.
+    pub companion_of: Option<CompanionOf>,
     /// Copy of the component.
     pub source: Light,
     /// The light with the range of its shadows.
@@ -25,15 +28,20 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
+    /// The order of the light among those of the frame.
+    pub fn order(&self) -> (Option<CompanionOf>, Entity) {
+        (self.companion_of, self.entity)
+    }
+
     /// Whether the light was placed by the same values.
     pub fn is_placed_by(
         &self,
-        entity: Entity,
+        (companion_of, entity): (Option<CompanionOf>, Entity),
         source: &Light,
         world_from_light: &GlobalTransform,
         model: &LightModel,
     ) -> bool {
-        self.entity == entity
+        self.order() == (companion_of, entity)
             && self.world_from_light == *world_from_light
             && self.source == *source
             && self.model == *model

@@ -9,6 +9,7 @@ use glam::{DVec4, Vec3};
 use smallvec::SmallVec;
 
 use super::candidate::{Candidate, is_dark};
+use super::companion::{ActsOn, CompanionOf};
 use super::depth_bounds::DepthBounds;
 use super::light_volume::LightVolume;
 use super::lit_region::LitRegion;
@@ -24,6 +25,10 @@ use crate::sets::index::objects::Objects;
 pub struct FrameLight {
     /// Entity of the light.
     pub entity: Entity,
+    /// The light whose shadow this one completes, for a companion, which gives no light; `None` for a light of the scene.
+    pub companion_of: Option<CompanionOf>,
+    /// The objects that a companion acts on; all for a light of the scene.
+    pub acts_on: ActsOn,
     /// Copy of the entity's [`Light`]. Its range is that of the light's shadows: the distance from their place
     /// beyond which nothing is lit.
     pub light: Light,
@@ -49,7 +54,7 @@ pub struct FrameLight {
     /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
     pub technique: Option<LightTechnique>,
     /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
-    /// not count, except when the light goes dark or lights up.
+    /// not count, except when the light goes dark or lights up. For a companion, the objects that it acts on do.
     pub moved: bool,
     /// Distance from the light within which surfaces do not block it, metres
     /// ([`LightClearance`](super::clearance::LightClearance)). It is 0 for a directional light, and is not known for a
@@ -188,6 +193,28 @@ impl FrameLight {
             .is_some_and(|technique| technique.component == TypeId::of::<T>())
     }
 
+    /// The order of the lights of a frame: lights of the scene by their entities, then companions by the light that they
+    /// complete.
+    pub(in crate::sets) fn order(&self) -> (Option<CompanionOf>, Entity) {
+        (self.companion_of, self.entity)
+    }
+
+    /// Whether the light shadows anything: a companion without a technique stands for nothing.
+    pub(in crate::sets) fn is_in_use(&self) -> bool {
+        self.companion_of.is_none() || self.technique.is_some()
+    }
+
+    /// Whether an object casts for the light, if it is a caster.
+    pub fn casts(&self, objects: &Objects, object: usize) -> bool {
+        objects.layers[object] & self.selection.casts_for != 0 && self.acts_on.casters.contains(object)
+    }
+
+    /// Bits of those objects of a word that cast for the light, if they are casters.
+    pub(crate) fn casting(&self, objects: &Objects, word: usize, bits: usize) -> usize {
+        let bits = self.acts_on.casters.among(word, bits);
+        objects.selected(word, bits, self.selection.casts_for)
+    }
+
     /// Returns the needs of the light's technique; an unshadowed light has none.
     pub fn needs(&self) -> Needs {
         self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
@@ -205,13 +232,15 @@ impl FrameLight {
     /// All casters of set L that cast for the light, by dense object index: those of S and those whose shadow is not
     /// seen in this frame.
     pub fn reached_casters<'a>(&'a self, objects: &'a Objects) -> impl Iterator<Item = usize> + 'a {
-        let casts = |&object: &usize| objects.layers[object] & self.selection.casts_for != 0;
+        let casts = |&object: &usize| self.casts(objects, object);
         self.sets.l.intersection(&objects.casters).filter(casts)
     }
 
     pub(super) fn new(candidate: &Candidate) -> Self {
         Self {
             entity: candidate.entity,
+            companion_of: candidate.companion_of,
+            acts_on: ActsOn::default(),
             light: candidate.light.clone(),
             world_from_light: candidate.world_from_light,
             shining: candidate.placed.shining,

@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 
 use super::candidate::Candidate;
+use super::companion::CompanionOf;
 use super::frame_light::FrameLight;
 use super::placing::place;
 use crate::scene::{
@@ -14,7 +15,8 @@ use crate::scene::{
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct FrameLights {
-    /// All usable lights, in ascending order of their entities.
+    /// All usable lights of the scene, in ascending order of their entities, and after them the companions
+    /// ([`FrameLight::companion_of`]), in the order of the lights that they complete.
     pub lights: Vec<FrameLight>,
     /// All lights that cannot shine now, in ascending order of their entities.
     pub skipped: Vec<SkippedLight>,
@@ -26,7 +28,7 @@ pub struct FrameLights {
     pub generation: u64,
     /// The usable lights in the order of the query. A light whose values did not change is not placed again.
     candidates: Vec<Candidate>,
-    /// Indices into the candidates, in ascending order of their entities.
+    /// Indices into the candidates, in the order of the lights of the frame.
     ascending: Vec<usize>,
     previous: Vec<FrameLight>,
 }
@@ -43,11 +45,32 @@ pub struct SkippedLight {
 impl FrameLights {
     /// The light of an entity, if it shines in this frame.
     pub fn of_entity(&self, entity: Entity) -> Option<&FrameLight> {
-        let at = self
-            .lights
-            .binary_search_by_key(&entity, |light| light.entity)
-            .ok()?;
-        Some(&self.lights[at])
+        let (of_scene, companions) = self.lights.split_at(self.scene_count());
+        match of_scene.binary_search_by_key(&entity, |light| light.entity) {
+            Ok(at) => Some(&of_scene[at]),
+            Err(_) => companions.iter().find(|light| light.entity == entity),
+        }
+    }
+
+    /// The number of lights of the scene, without companions. They are the first in the list.
+    pub fn scene_count(&self) -> usize {
+        self.lights.partition_point(|light| light.companion_of.is_none())
+    }
+
+    /// The lights of the scene, without companions.
+    pub fn of_scene(&self) -> &[FrameLight] {
+        &self.lights[..self.scene_count()]
+    }
+
+    /// The companions that complete the shadow of a light in this frame, with their indices in the list.
+    pub fn companions_of(&self, light: Entity) -> impl Iterator<Item = (usize, &FrameLight)> {
+        let first = self.scene_count();
+        let companions = self.lights[first..].iter().enumerate();
+        companions
+            .map(move |(at, companion)| (first + at, companion))
+            .filter(move |(_, companion)| {
+                companion.technique.is_some() && companion.companion_of.is_some_and(|of| of.light == light)
+            })
     }
 }
 
@@ -62,16 +85,20 @@ type LightItem<'a> = (
     Option<&'a LightProfile>,
 );
 
-/// Lists the usable lights and compares each with the frame before.
+/// Lists the usable lights and companions, and compares each with the frame before.
 ///
-/// Set: `CollectSets`. Reads [`Light`], `GlobalTransform`, [`LightSelection`] and the light model. O(lights), and
+/// Set: `CollectSets`. Reads [`Light`], `GlobalTransform`, [`LightSelection`], the light model and [`CompanionOf`]. O(lights), and
 /// O(lights log lights) when one came or went. Lights are in the order of their entities, and keep their sets
 /// and allocations as long as they exist.
-pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightItem<'static>>) {
+pub fn collect_frame_lights(
+    mut frame: ResMut<FrameLights>,
+    lights: Query<LightItem<'static>>,
+    companions: Query<(Entity, &'static CompanionOf)>,
+) {
     let frame = &mut *frame;
     frame.skipped.clear();
     frame.faults.clear();
-    let same_order = collect_candidates(frame, &lights);
+    let same_order = collect_candidates(frame, &lights, &companions);
     frame.skipped.sort_unstable_by_key(|skipped| skipped.entity);
     frame.faults.sort_by_key(|(entity, _)| *entity);
     let FrameLights {
@@ -82,7 +109,7 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     if !same_order {
         ascending.clear();
         ascending.extend(0..candidates.len());
-        ascending.sort_unstable_by_key(|&at| candidates[at].entity);
+        ascending.sort_unstable_by_key(|&at| candidates[at].order());
     }
     let in_order = ascending.iter().map(|&at| &candidates[at]);
     let same_members = same_order
@@ -90,7 +117,7 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
             && in_order
                 .clone()
                 .zip(&frame.lights)
-                .all(|(new, old)| new.entity == old.entity));
+                .all(|(new, old)| new.order() == old.order()));
     if same_members {
         for (light, candidate) in frame.lights.iter_mut().zip(in_order) {
             light.refresh(candidate);
@@ -101,8 +128,8 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     std::mem::swap(&mut frame.lights, &mut frame.previous);
     let mut old = frame.previous.drain(..).peekable();
     for candidate in in_order {
-        while old.next_if(|light| light.entity < candidate.entity).is_some() {}
-        let light = match old.next_if(|light| light.entity == candidate.entity) {
+        while old.next_if(|light| light.order() < candidate.order()).is_some() {}
+        let light = match old.next_if(|light| light.order() == candidate.order()) {
             Some(mut light) => {
                 light.refresh(candidate);
                 light
@@ -113,8 +140,25 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     }
 }
 
+/// The lights of the scene in the order of the query, and then companions, each with what is known of its light.
+fn items<'a>(
+    lights: &'a Query<LightItem<'static>>,
+    companions: &'a Query<(Entity, &'static CompanionOf)>,
+) -> impl Iterator<Item = (Option<CompanionOf>, LightItem<'a>)> {
+    let of_companions = companions.iter().filter_map(|(entity, of)| {
+        let mut item = lights.get(of.light).ok()?;
+        item.0 = entity;
+        Some((Some(*of), item))
+    });
+    lights.iter().map(|item| (None, item)).chain(of_companions)
+}
+
 /// Brings the candidates up to date. Returns whether they are those of the frame before, in the same order.
-fn collect_candidates(frame: &mut FrameLights, lights: &Query<LightItem<'static>>) -> bool {
+fn collect_candidates(
+    frame: &mut FrameLights,
+    lights: &Query<LightItem<'static>>,
+    companions: &Query<(Entity, &'static CompanionOf)>,
+) -> bool {
     let FrameLights {
         candidates,
         faults,
@@ -123,12 +167,23 @@ fn collect_candidates(frame: &mut FrameLights, lights: &Query<LightItem<'static>
     } = frame;
     let mut count = 0;
     let mut same_order = true;
-    for (entity, light, world_from_light, selection, parts, cookie, profile) in lights {
-        let model = LightModel::of(parts, light.kind, |fault| faults.push((entity, fault)));
-        let textures = LightTextures::of(cookie, profile, light.kind, |fault| faults.push((entity, fault)));
+    for (companion_of, item) in items(lights, companions) {
+        let (entity, light, world_from_light, selection, parts, cookie, profile) = item;
+        // The faults of a companion are those of its light, which has them already.
+        let mut fault = |fault| {
+            if companion_of.is_none() {
+                faults.push((entity, fault));
+            }
+        };
+        let mut model = LightModel::of(parts, light.kind, &mut fault);
+        let textures = LightTextures::of(cookie, profile, light.kind, &mut fault);
+        if companion_of.is_some() {
+            model.origin = None; // what it completes does not follow an origin
+        }
         let selection = selection.copied().unwrap_or_default();
         let last = candidates.get_mut(count);
-        if let Some(last) = last.filter(|last| last.is_placed_by(entity, light, world_from_light, &model)) {
+        let order = (companion_of, entity);
+        if let Some(last) = last.filter(|last| last.is_placed_by(order, light, world_from_light, &model)) {
             last.is_kept = last.selection == selection;
             last.selection = selection;
             last.textures = textures;
@@ -136,12 +191,15 @@ fn collect_candidates(frame: &mut FrameLights, lights: &Query<LightItem<'static>
             let placed = match place(light, world_from_light, &model) {
                 Ok(placed) => placed,
                 Err(error) => {
-                    skipped.push(SkippedLight { entity, error });
+                    if companion_of.is_none() {
+                        skipped.push(SkippedLight { entity, error });
+                    }
                     continue;
                 }
             };
             let candidate = Candidate {
                 entity,
+                companion_of,
                 source: light.clone(),
                 light: Light {
                     range: placed.range,
@@ -156,7 +214,7 @@ fn collect_candidates(frame: &mut FrameLights, lights: &Query<LightItem<'static>
             };
             match candidates.get_mut(count) {
                 Some(last) => {
-                    same_order &= last.entity == entity;
+                    same_order &= last.order() == order;
                     *last = candidate;
                 }
                 None => {
@@ -165,7 +223,7 @@ fn collect_candidates(frame: &mut FrameLights, lights: &Query<LightItem<'static>
                 }
             }
         }
-        if candidates[count].placed.casts_from_behind(light.kind) {
+        if companion_of.is_none() && candidates[count].placed.casts_from_behind(light.kind) {
             faults.push((entity, LightModelFault::OriginBehind));
         }
         count += 1;

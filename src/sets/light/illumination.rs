@@ -21,30 +21,17 @@ use crate::sets::view::visible::VisibleSet;
 use crate::sets::view::visible_parts::VisibleParts;
 use crate::sets::work::SetWork;
 
-/// Bits of those objects of a word whose layers share a bit with the mask.
-pub(in crate::sets) fn selected(objects: &Objects, word: usize, bits: usize, mask: u32) -> usize {
-    if objects.common_layers & mask != 0 {
-        return bits;
-    }
-    let mut result = 0;
-    for_bits(bits, |lane| {
-        if objects.layers[word * WORD + lane] & mask != 0 {
-            result |= 1 << lane;
-        }
-    });
-    result
-}
-
 /// Bits of those objects of I in a word that show the light's shadows: receivers on the light's layers.
 pub(in crate::sets) fn showing(light: &FrameLight, objects: &Objects, word: usize) -> usize {
     let receiving = light.sets.i.as_slice()[word] & objects.receivers.as_slice()[word];
-    selected(objects, word, receiving, light.selection.shows_on)
+    objects.selected(word, receiving, light.selection.shows_on)
 }
 
 /// Computes I of every light that needs it: I = V ∩ L ∩ drawn ∩ affected, without objects whose visible part
-/// is dark. Then computes the scissor rectangle and the depth bounds, as the intersection of three bounds:
-/// those of the objects of I, those of the light's volume, and those of the objects cut by the volume. If
-/// nothing is left, the light is skipped and its I is emptied.
+/// is dark. Of a companion I holds only what shows the shadows that it computes. Then computes the scissor
+/// rectangle and the depth bounds, as the intersection of three bounds: those of the objects of I, those of the
+/// light's volume, and those of the objects cut by the volume. If nothing is left, the light is skipped and its I
+/// is emptied.
 ///
 /// Set: `CollectSets`, after `collect_light_occlusion`. Cost: the words that the light touches, eight objects
 /// at a time. Only objects that stick out of the bounds so far are projected.
@@ -70,10 +57,10 @@ pub fn collect_illumination(
         light.region.receiver_bounds = Aabb::EMPTY;
         let dark = light.sets.dark.as_mut_slice();
         light.scratch.touched.ones().for_each(|word| dark[word] = 0);
-        let shines = !is_dark(&light.light);
+        let shines = !is_dark(&light.light) && light.is_in_use();
         let bounds = view.data.as_ref().filter(|_| shines).and_then(|view| {
             intersect(light, &objects, &visible);
-            parts.cut_illumination(light, occlusion.viewpoint_of(light.entity), &occluders);
+            parts.cut_illumination(light, occlusion.viewpoint_of(light), &occluders);
             bound(light, &objects, view, &parts)
         });
         match bounds {
@@ -94,7 +81,12 @@ fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
     let i = light.sets.i.as_mut_slice();
     for word in light.scratch.touched.ones() {
         let candidates = v[word] & l[word] & drawn[word];
-        i[word] = selected(objects, word, candidates, light.selection.affects);
+        i[word] = objects.selected(word, candidates, light.selection.affects);
+        if light.companion_of.is_some() {
+            let receivers = i[word] & objects.receivers.as_slice()[word];
+            let showing = objects.selected(word, receivers, light.selection.shows_on);
+            i[word] = light.acts_on.receivers.among(word, showing);
+        }
         if light.lit.has_near() {
             for_bits(i[word], |lane| {
                 if light.lit.is_too_near(&objects.boxes.get(word * WORD + lane)) {
@@ -106,7 +98,7 @@ fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
     let (reach, dark) = (light.sets.reach.as_slice(), light.sets.dark.as_mut_slice());
     for word in light.scratch.touched.ones() {
         let candidates = v[word] & reach[word] & !l[word] & drawn[word];
-        dark[word] = selected(objects, word, candidates, light.selection.affects);
+        dark[word] = objects.selected(word, candidates, light.selection.affects);
     }
 }
 

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 use bevy_tasks::ComputeTaskPool;
 
+use super::companion::CompanionOf;
 use super::frame_light::FrameLight;
 use super::frame_lights::FrameLights;
 use crate::geometry::Aabb;
@@ -36,7 +37,8 @@ struct Piece {
 
 #[derive(Clone, Debug)]
 struct Entry {
-    light: Entity,
+    /// [`FrameLight::order`] of the light.
+    light: (Option<CompanionOf>, Entity),
     viewpoint: Viewpoint,
     sightings: Sightings,
     seen: Option<Seen>,
@@ -67,10 +69,10 @@ impl LightOcclusion {
     }
 
     /// The occlusion of a light of [`FrameLights`].
-    pub(in crate::sets) fn viewpoint_of(&self, light: Entity) -> Option<&Viewpoint> {
+    pub(in crate::sets) fn viewpoint_of(&self, light: &FrameLight) -> Option<&Viewpoint> {
         let at = self
             .lights
-            .binary_search_by_key(&light, |entry| entry.light)
+            .binary_search_by_key(&light.order(), |entry| entry.light)
             .ok()?;
         Some(&self.lights[at].viewpoint)
     }
@@ -84,10 +86,10 @@ impl LightOcclusion {
         std::mem::swap(&mut self.lights, &mut self.previous);
         let mut old = self.previous.drain(..).peekable();
         for light in &frame.lights {
-            while old.next_if(|entry| entry.light < light.entity).is_some() {}
-            let known = old.next_if(|entry| entry.light == light.entity);
+            while old.next_if(|entry| entry.light < light.order()).is_some() {}
+            let known = old.next_if(|entry| entry.light == light.order());
             self.lights.push(known.unwrap_or_else(|| Entry {
-                light: light.entity,
+                light: light.order(),
                 viewpoint: Viewpoint::default(),
                 sightings: Sightings::default(),
                 seen: None,
@@ -130,7 +132,9 @@ pub fn collect_light_occlusion(
         clearance: light.clearance,
         // A light may light what it does not see: if its shadows are not black, or do not show there. Pictures of what it
         // sees are taken from where it shines, which need not be where its shadows come from.
+        // Companions complete the shadow of an extended light, of which they know the middle alone.
         wants_occlusion: light.needs().light_occlusion
+            && light.companion_of.is_none()
             && !light.model.lights_shadows()
             && light.model.origin.is_none()
             && (light.selection.shows_on == u32::MAX

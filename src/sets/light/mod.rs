@@ -2,6 +2,7 @@
 
 pub(crate) mod candidate;
 pub(crate) mod clearance;
+pub(crate) mod companion;
 pub(crate) mod depth_bounds;
 pub(crate) mod frame_light;
 pub(crate) mod frame_lights;

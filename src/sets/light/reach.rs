@@ -123,8 +123,7 @@ fn clearance_of(light: &FrameLight, objects: &Objects, clearance: LightClearance
     }
     let mut around = Surroundings::new(light.point_world.truncate(), f64::from(light.light.range));
     for object in light.sets.reach.ones() {
-        let casts =
-            objects.casters.contains(object) && objects.layers[object] & light.selection.casts_for != 0;
+        let casts = objects.casters.contains(object) && light.casts(objects, object);
         if around.add(&objects.boxes.get(object), casts) {
             break;
         }

@@ -5,7 +5,6 @@ use smallvec::SmallVec;
 
 use super::frame_light::FrameLight;
 use super::frame_lights::FrameLights;
-use super::illumination::selected;
 use super::light_volume::LightVolume;
 use super::lit_receivers::{cut_casters, list_lit_receivers};
 use super::reach::each_light;
@@ -72,11 +71,13 @@ pub fn collect_shadow_sets(
 
 /// Sets S to all casters of L that cast for the light.
 fn all_casters(light: &mut FrameLight, objects: &Objects) {
+    let mut set = std::mem::take(&mut light.sets.s);
     let (l, casters) = (light.sets.l.as_slice(), objects.casters.as_slice());
-    let s = light.sets.s.as_mut_slice();
+    let s = set.as_mut_slice();
     for word in light.scratch.touched.ones() {
-        s[word] = selected(objects, word, l[word] & casters[word], light.selection.casts_for);
+        s[word] = light.casting(objects, word, l[word] & casters[word]);
     }
+    light.sets.s = set;
 }
 
 fn clear(light: &mut FrameLight) {
@@ -109,10 +110,11 @@ fn collect(
     } else {
         &light.hulls.view.planes.planes
     };
+    let mut set = std::mem::take(&mut light.sets.s);
+    let mut cutting = std::mem::take(&mut light.scratch.cutting);
     let (l, f) = (light.sets.l.as_slice(), frustum_set.set.as_slice());
     let casters = objects.casters.as_slice();
-    let words = light.sets.s.as_mut_slice();
-    let cutting = &mut light.scratch.cutting;
+    let words = set.as_mut_slice();
     for word in light.scratch.touched.ones() {
         let mut s = l[word] & casters[word];
         if light.hulls.inside_frustum {
@@ -123,15 +125,16 @@ fn collect(
             s = match cut(objects, word, planes, &mut cutting.planes) {
                 false => 0,
                 true if cutting.planes.is_empty() => s,
-                true => objects.boxes.touching_planes(word, s, cutting),
+                true => objects.boxes.touching_planes(word, s, &cutting),
             };
         }
-        s = selected(objects, word, s, light.selection.casts_for);
+        s = light.casting(objects, word, s);
         if let (LightVolume::Ball(ball), true) = (light.volume, s != 0) {
             s &= !beyond(&ball, objects, word, s, placed);
         }
         words[word] = s;
     }
+    (light.sets.s, light.scratch.cutting) = (set, cutting);
 }
 
 /// Bits of those casters of a word whose placed local bounds the ball excludes. Only casters centred beyond

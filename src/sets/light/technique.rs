@@ -22,7 +22,7 @@ pub struct Needs {
     pub silhouettes: NeededSilhouettes,
     /// Objects that something hides from the light are left out of set L, and are not drawn for the light: the technique
     /// would find them dark anyway. A technique that keeps pictures of the casters in L leaves this off, or its pictures
-    /// would change with every occluder that moves. Lights with an extent are never occluded.
+    /// would change with every occluder that moves. Lights with an extent are never occluded, nor are companions.
     pub light_occlusion: bool,
     /// The planes of the visible triangles are drawn before the mask is resolved.
     pub receiver_planes: bool,

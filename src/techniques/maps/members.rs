@@ -24,22 +24,14 @@ pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameL
     if changed {
         *casters = FixedBitSet::with_capacity(objects.len());
     }
-    let mask = light.selection.casts_for;
     let words = casters.as_mut_slice();
     for (word, bits) in words.iter_mut().enumerate() {
-        let mut members = if kept {
-            light.sets.l.as_slice()[word] & objects.casters.as_slice()[word]
+        let members = if kept {
+            let reached = light.sets.l.as_slice()[word] & objects.casters.as_slice()[word];
+            light.casting(objects, word, reached)
         } else {
             light.sets.s.as_slice()[word]
         };
-        let mut rest = members;
-        while kept && rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            if objects.layers[word * usize::BITS as usize + lane] & mask == 0 {
-                members &= !(1 << lane);
-            }
-        }
         changed |= *bits != members;
         *bits = members;
     }

@@ -19,8 +19,8 @@ pub(crate) const DENSITIES: std::ops::RangeInclusive<f32> = 1e-3..=1e4;
 /// width may change every frame and need no new maps.
 ///
 /// The maps hold everything that stood still in the scene when they were baked. Other objects show no shadows of this
-/// light and cast none: give those a light of their own with another technique
-/// ([`LightSelection`](crate::scene::LightSelection)).
+/// light and cast none, unless the light has another technique beside this one, such as a
+/// [`ShadowMap`](crate::techniques::ShadowMap). It then shadows them, and by them what is in the maps.
 #[derive(Component, Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",

@@ -2,7 +2,7 @@
 
 use crate::scene::PathError;
 
-/// Why a light's maps are not used. The light then shines without a shadow.
+/// Why a light's maps are not used. The light then shines without a shadow, or with those of its second technique alone.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IntervalFault {
     /// The maps cannot be read.

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
 use smallvec::SmallVec;
 
 use super::intervals::{Intervals, shining};
@@ -49,6 +50,12 @@ pub struct IntervalScene {
     /// Dense indices in [`Objects`] of the objects that are not in the maps with all of their submeshes, receivers or not, and of
     /// those that show shadows on more submeshes than when the maps were baked.
     pub outside: Vec<u32>,
+    /// Objects that cast and are not in the maps with all of their submeshes, by dense index in [`Objects`].
+    pub strange_casters: FixedBitSet,
+    /// The objects of `outside`, by dense index in [`Objects`].
+    pub strange_receivers: FixedBitSet,
+    /// Whether memory was granted for the textures when it was shared last.
+    pub(super) has_memory: bool,
     /// Increases when `matched` changed. It stays while other objects come and go.
     pub generation: u64,
     /// Index in [`FrameLights`](crate::sets::FrameLights) of the light that asks for the memory of the textures: the most
@@ -129,6 +136,9 @@ impl IntervalScene {
             strangers: 0,
             without_backs: 0,
             outside: Vec::new(),
+            strange_casters: FixedBitSet::new(),
+            strange_receivers: FixedBitSet::new(),
+            has_memory: true,
             generation: 0,
             payer: None,
             shining: shining(&maps.path),
@@ -176,6 +186,8 @@ impl IntervalScene {
         self.strangers = 0;
         self.without_backs = 0;
         self.outside.clear();
+        self.strange_casters.clear();
+        self.strange_casters.grow(objects.len());
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         let mut is_found = vec![false; self.maps.surfaces.len()];
@@ -186,6 +198,7 @@ impl IntervalScene {
             });
             let Some((mesh, place, is_caster, layers, materials)) = placed else {
                 self.outside.push(object as u32);
+                self.strange_casters.insert(object);
                 continue;
             };
             let casts = is_caster && layers.copied().unwrap_or_default().0 & self.casts_for != 0;
@@ -201,6 +214,7 @@ impl IntervalScene {
                 let fresh = candidates.iter().filter(here).find(|&&at| !is_found[at as usize]);
                 let Some(&surface) = fresh.or_else(|| candidates.iter().find(here)) else {
                     is_stranger = true;
+                    self.strange_casters.insert(object);
                     continue;
                 };
                 is_found[surface as usize] = true;
@@ -229,6 +243,10 @@ impl IntervalScene {
             self.strangers += usize::from(is_stranger && shows_shadows);
             self.without_backs += usize::from(lacks_backs);
         }
+        self.strange_receivers.clear();
+        self.strange_receivers.grow(objects.len());
+        self.strange_receivers
+            .extend(self.outside.iter().map(|object| *object as usize));
         found.sort_unstable();
         self.missing = is_found.iter().filter(|found| !**found).count();
         self.first_missing = is_found.iter().position(|found| !found);

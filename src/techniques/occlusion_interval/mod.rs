@@ -32,17 +32,25 @@
 //! 8 texels a metre and 0.019 in `town_A` at 2, where one or two pixels are wrong at some times (tests `by_hand`).
 //!
 //! **What moves.** Maps hold what stood still. An object that is not in the maps shows no shadow of the light and casts
-//! none. A light has one technique, so a game gives moving objects a second, equal light with a shadow map or volumes, and
-//! lets the masks of [`LightSelection`](crate::scene::LightSelection) divide the objects: `affects` of the light with maps
-//! selects the static layers, that of the other the moving ones. Moving objects cast no shadows on static
-//! ones, because that would need both techniques on one light.
+//! none, unless the light has a second technique, such as a [`ShadowMap`](crate::techniques::ShadowMap) or a
+//! [`StencilVolume`](crate::techniques::StencilVolume) beside the [`OcclusionInterval`]. On surfaces in the maps, the darker of
+//! both counts: what the maps hold, and the shadows that the second technique makes of the objects that are not in the maps. On
+//! all other receivers the second technique shows the shadows of all casters. An object counts as a whole: if one of its
+//! submeshes is not in the maps, the second technique shadows all of them, and by all of them.
+//!
+//! The second technique casts from the point of the path where the light stands, so its shadows are as soft as it makes them,
+//! whatever the width. It adds no pass while nothing that is not in the maps is seen or shadows what is seen. Otherwise it
+//! costs what it costs on a light of its own, up to twice: once for surfaces in the maps, and once for the others.
+//!
+//! While the maps cannot be used, the second technique shadows everything. So it does after an object that was baked has moved:
+//! bake only what stays. That memory for the textures is short is known one frame later.
 //!
 //! **Night.** While the sun is below the horizon, it lights nothing that shows shadows, whether that is in the maps or not.
 //! Objects that show no shadows are lit from below.
 //!
 //! **When the scene changes.** Surfaces are recognized by their triangles and their place. If one that was baked is gone, has
 //! moved, or blocks the light now and did not then (or the reverse), the maps are refused and reported, and the light shines
-//! without a shadow. Objects that come or go elsewhere change nothing.
+//! with the shadows of its second technique, or without any. Objects that come or go elsewhere change nothing.
 //!
 //! **Several lights** on the same path may name the same maps. Their textures exist once, and count once towards
 //! [`TextureMemory`](crate::techniques::TextureMemory).

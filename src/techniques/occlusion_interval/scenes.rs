@@ -27,7 +27,7 @@ pub struct IntervalLight {
     pub time: f32,
     /// Width of the window, as a share of the path.
     pub width: f32,
-    /// Share of the window in which the light shines at all: what objects that are not in the maps see of it. The sun does
+    /// Share of the window in which the light shines at all: the most that objects which are not in the maps see of it. The sun does
     /// not shine below the horizon.
     pub shining: f32,
 }
@@ -64,7 +64,7 @@ impl IntervalScenes {
 
 /// Reads the maps of lights that are new, and finds their surfaces in the world.
 ///
-/// Set: `BuildTechniques`, before memory for textures is asked for. Reads [`FrameLights`], [`Objects`], [`LightPath`],
+/// Set: [`LeavingSystems`](crate::techniques::LeavingSystems). Reads [`FrameLights`], [`Objects`], [`LightPath`],
 /// [`IntervalFolder`], [`FaceCulling`] and the settings; writes [`IntervalLibrary`] and [`IntervalScenes`]. Meshes are hashed
 /// when objects come or go. Surfaces are looked for again when a material is exchanged, too. A frame in which nothing moves
 /// compares nothing; one in which something does compares the maps' surfaces with what moved.
@@ -104,7 +104,6 @@ pub fn match_interval_maps(
         hashes.forget_unused();
     }
     scenes.refuse_other_scenes();
-    scenes.choose_payers(&lights);
 }
 
 fn check_light(maps: &IntervalMaps, path: Option<&LightPath>, kind: LightKind) -> Result<(), IntervalFault> {
@@ -199,7 +198,7 @@ impl IntervalScenes {
     }
 
     /// Chooses the light that asks for the memory of each scene's textures.
-    fn choose_payers(&mut self, lights: &FrameLights) {
+    pub(super) fn choose_payers(&mut self, lights: &FrameLights) {
         let area = |light: usize| {
             let scissor = lights.lights.get(light).and_then(|light| light.region.scissor);
             scissor.map_or(0, |scissor| scissor.area())

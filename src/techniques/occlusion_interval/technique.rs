@@ -16,8 +16,8 @@ use crate::render::shaders::ShaderFile;
 use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::Light;
-use crate::sets::{FrameLights, Needs};
-use crate::techniques::registry::{FileError, Refusal, Statistics, Technique, TexelLookup};
+use crate::sets::{FrameLights, LeftObjects, Needs};
+use crate::techniques::registry::{FileError, LeavingSystems, Refusal, Statistics, Technique, TexelLookup};
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureMemorySystems, TextureWant};
 
 /// Code of the report about receivers that are not in the maps.
@@ -34,8 +34,14 @@ const BACKS: u32 = 9;
 
 /// Asks for the memory of the maps' textures, once for all lights that share them.
 ///
-/// Set: `BuildTechniques`, in [`TextureMemorySystems::Ask`]. Reads [`IntervalScenes`]; writes [`TextureMemory`].
-pub fn ask_for_interval_maps(scenes: Res<IntervalScenes>, mut memory: ResMut<TextureMemory>) {
+/// Set: `BuildTechniques`, in [`TextureMemorySystems::Ask`]. Reads [`FrameLights`]; writes [`IntervalScenes`] and
+/// [`TextureMemory`].
+pub fn ask_for_interval_maps(
+    mut scenes: ResMut<IntervalScenes>,
+    mut memory: ResMut<TextureMemory>,
+    lights: Res<FrameLights>,
+) {
+    scenes.choose_payers(&lights);
     for scene in &scenes.scenes {
         let Some(payer) = scene.payer else { continue };
         let size = scene.maps.size.max(1);
@@ -50,6 +56,23 @@ pub fn ask_for_interval_maps(scenes: Res<IntervalScenes>, mut memory: ResMut<Tex
             },
         );
     }
+}
+
+/// Notes which maps have memory for their textures, for the sets of the next frame.
+///
+/// Set: `BuildTechniques`, in [`TextureMemorySystems::Build`]. Reads [`TextureMemory`]; writes [`IntervalScenes`].
+pub fn note_interval_memory(mut scenes: ResMut<IntervalScenes>, memory: Res<TextureMemory>) {
+    for scene in &mut scenes.scenes {
+        if let Some(payer) = scene.payer {
+            scene.has_memory = memory.grant(payer, OcclusionInterval::NAME).is_some();
+        }
+    }
+}
+
+/// Whether another technique shadows by what is not in the maps of a light.
+fn has_companion(world: &World, light: &IntervalLight) -> bool {
+    let lights = world.resource::<FrameLights>();
+    lights.companions_of(light.entity).next().is_some()
 }
 
 /// Reports what is missing under a light whose maps are usable.
@@ -82,7 +105,7 @@ fn report_scene(world: &World, light: &IntervalLight, scene: &IntervalScene, rou
             ),
         );
     }
-    if scene.strangers > 0 {
+    if scene.strangers > 0 && !has_companion(world, light) {
         round.state(
             Some(light.entity),
             STRANGERS,
@@ -111,7 +134,18 @@ impl Technique for OcclusionInterval {
         draws_receivers: true,
         ..Needs::NOTHING
     };
+    const LEAVES_OTHERS: bool = true;
     const PATHS: &'static [&'static str] = &["maps"];
+
+    fn left_to_others(world: &World, light: usize) -> LeftObjects<'_> {
+        let scene = world.resource::<IntervalScenes>().scene_of(light);
+        scene
+            .filter(|scene| scene.has_memory)
+            .map_or(LeftObjects::All, |scene| LeftObjects::Some {
+                casters: &scene.strange_casters,
+                receivers: &scene.strange_receivers,
+            })
+    }
 
     fn load_files(world: &mut World, light: Entity) -> Result<(), FileError> {
         let Some(settings) = world.get::<Self>(light) else {
@@ -147,9 +181,9 @@ impl Technique for OcclusionInterval {
     fn add_systems(schedule: &mut Schedule) {
         schedule.add_systems((
             follow_light_paths.before(TransformSystems::Propagate),
-            (match_interval_maps, ask_for_interval_maps)
-                .chain()
-                .in_set(TextureMemorySystems::Ask),
+            match_interval_maps.in_set(LeavingSystems),
+            ask_for_interval_maps.in_set(TextureMemorySystems::Ask),
+            note_interval_memory.in_set(TextureMemorySystems::Build),
         ));
     }
 
@@ -191,11 +225,18 @@ impl Technique for OcclusionInterval {
         let scenes = world.resource::<IntervalScenes>();
         for light in &scenes.lights {
             match &light.scene {
-                Err(fault) => round.state(
-                    Some(light.entity),
-                    fault.code(),
-                    format_args!("The light has no shadow: {fault}."),
-                ),
+                Err(fault) => {
+                    let effect = if has_companion(world, light) {
+                        "The light's other technique alone shadows it"
+                    } else {
+                        "The light has no shadow"
+                    };
+                    round.state(
+                        Some(light.entity),
+                        fault.code(),
+                        format_args!("{effect}: {fault}."),
+                    );
+                }
                 Ok(scene) => {
                     if let Some(scene) = scenes.scenes.get(*scene) {
                         report_scene(world, light, scene, round);

@@ -54,6 +54,8 @@ pub struct LightSlices {
     reached: FixedBitSet,
     /// Layers whose casters cast for the light.
     casts_for: u32,
+    /// [`ActsOn::revision`](crate::sets::ActsOn::revision) of the light.
+    acts_on: u64,
     flags: u64,
     volume: LightVolume,
     sliced: Option<SlicedLight>,
@@ -77,6 +79,7 @@ impl LightSlices {
             guarded: 0,
             reached: FixedBitSet::new(),
             casts_for: 0,
+            acts_on: 0,
             flags: 0,
             volume: LightVolume::Infinite,
             sliced: None,
@@ -98,6 +101,7 @@ impl LightSlices {
             && self.sliced == Some(sliced)
             && self.volume == light.volume
             && self.casts_for == light.selection.casts_for
+            && self.acts_on == light.acts_on.revision
             && self.flags == objects.flags_generation
             && self.reached == light.sets.l
             && self.reached.is_disjoint(&objects.moved)
@@ -109,6 +113,7 @@ impl LightSlices {
         self.sliced = Some(sliced);
         self.volume = light.volume;
         self.casts_for = light.selection.casts_for;
+        self.acts_on = light.acts_on.revision;
         self.flags = objects.flags_generation;
         self.reached.clone_from(&light.sets.l);
         let sun = (f64::from(settings.angle_deg) * 0.5).to_radians().sin();

@@ -2,7 +2,9 @@
 
 use bevy_ecs::prelude::*;
 
+use super::companions::chosen;
 use super::refusal::RefusedLight;
+use super::row::Row;
 use super::techniques::Techniques;
 use crate::sets::{FrameLight, FrameLights, LightTechnique};
 
@@ -14,6 +16,10 @@ use crate::sets::{FrameLight, FrameLights, LightTechnique};
 /// that a frame does not depend on history. The other components have no effect and are reported. Nothing is
 /// kept from frame to frame, so techniques may be added, removed or exchanged at any time.
 ///
+/// A technique that leaves objects to others ([`Technique::LEAVES_OTHERS`](super::Technique::LEAVES_OTHERS)) comes first, and
+/// the first of the others is that of the light's companions. It is the technique of the light if the former refuses the
+/// light; the companions then have none.
+///
 /// Set: `CollectSets`, after `collect_frame_lights`. The system is exclusive, because the list determines
 /// which components it reads. Writes [`FrameLight::technique`]. Cost: one component lookup for each light and
 /// technique.
@@ -23,11 +29,28 @@ pub fn choose_techniques(world: &mut World) {
     let mut refused = std::mem::take(&mut techniques.refused);
     refused.clear();
     let techniques = world.resource::<Techniques>();
-    for light in &mut frame.lights {
+    let scene_count = frame.scene_count();
+    let (of_scene, companions) = frame.lights.split_at_mut(scene_count);
+    for light in &mut *of_scene {
         light.technique = world
             .get_entity(light.entity)
             .ok()
             .and_then(|entity| choose(techniques, entity, light, &mut refused));
+    }
+    for companion in companions {
+        let leaves = companion.companion_of.is_some_and(|of| {
+            let at = of_scene.binary_search_by_key(&of.light, |light| light.entity);
+            let technique = at.ok().and_then(|at| of_scene[at].technique);
+            technique.is_some_and(|technique| techniques.rows[technique.row].leaves_others())
+        });
+        let was_in_use = companion.technique.is_some();
+        companion.technique = world
+            .get_entity(companion.entity)
+            .ok()
+            .filter(|_| leaves)
+            .and_then(|entity| choose(techniques, entity, companion, &mut refused));
+        // The sets of a companion without a technique are empty.
+        companion.moved |= companion.technique.is_some() != was_in_use;
     }
     world.resource_mut::<Techniques>().refused = refused;
     *world.resource_mut::<FrameLights>() = frame;
@@ -40,19 +63,22 @@ fn choose(
     refused: &mut Vec<RefusedLight>,
 ) -> Option<LightTechnique> {
     let rows = techniques.rows.iter().enumerate();
-    let (index, row) = rows.into_iter().find(|(_, row)| row.is_on(&entity))?;
-    if let Err(refusal) = row.check(&entity, &light.light) {
-        refused.push(RefusedLight {
-            entity: light.entity,
+    let chosen = chosen(rows.filter(|(_, row)| row.is_on(&entity)))?;
+    let mut usable = |(index, row): (usize, &Row)| match row.check(&entity, &light.light) {
+        Ok(()) => Some(LightTechnique {
             row: index,
-            refusal,
-        });
-        return None;
-    }
-    Some(LightTechnique {
-        row: index,
-        name: row.name(),
-        component: row.component(),
-        needs: row.needs(),
-    })
+            name: row.name(),
+            component: row.component(),
+            needs: row.needs(),
+        }),
+        Err(refusal) => {
+            refused.push(RefusedLight {
+                entity: light.entity,
+                row: index,
+                refusal,
+            });
+            None
+        }
+    };
+    usable(chosen.first).or_else(|| usable(chosen.second?))
 }

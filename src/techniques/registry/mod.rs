@@ -13,17 +13,19 @@
 //! | `add_technique` | the call that adds a technique |
 //! | `row` | the trait without its type, and settings of any technique |
 //! | `techniques` | the rows of a world |
+//! | `companions` | a second technique of a light, for what the first one does not know |
 //! | `choose` | the choice of a light's technique in each frame |
 //! | `refusal` | the reasons why a technique does not shadow a light |
 //! | `statistics` | named values that a technique reports of its lights and of the frame |
 //! | `texels` | texels that a surface covers in a technique's pictures |
 //! | `report` | reports of all techniques |
-//! | `systems` | the set in which the systems of techniques run |
+//! | `systems` | the sets in which the systems of techniques run |
 //! | `gpu_row`, `recorders` | recorders and shaders of the rows (feature `render`) |
 
 mod add_technique;
 mod builtin;
 pub(crate) mod choose;
+pub(crate) mod companions;
 #[cfg(feature = "render")]
 mod gpu_row;
 #[cfg(feature = "render")]
@@ -43,7 +45,7 @@ pub use choose::choose_techniques;
 pub use refusal::{FileError, Refusal};
 pub use row::{Row, Settings};
 pub use statistics::{Statistic, Statistics};
-pub use systems::TechniqueSystems;
+pub use systems::{LeavingSystems, TechniqueSystems};
 pub use technique::Technique;
 pub use techniques::{Techniques, add_row};
 pub use texels::{SurfacePatch, TexelLookup};

@@ -5,11 +5,13 @@ use std::fmt;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
 
+use super::companions::chosen;
 use super::refusal::Refusal;
 use super::row::Row;
 use super::techniques::Techniques;
 use crate::reports::Reports;
 use crate::scene::Light;
+use crate::sets::CompanionOf;
 
 /// Raises the topic `technique`, and for each technique the topic of its name.
 pub fn report_techniques(world: &World, reports: &mut Reports) {
@@ -45,13 +47,17 @@ fn report_components(world: &World, techniques: &Techniques, reports: &mut Repor
     let mut round = reports.round("technique");
     let components = world.components();
     let light = world.component_id::<Light>();
+    let companion = world.component_id::<CompanionOf>();
     for archetype in world.archetypes().iter() {
         let has = |id: Option<ComponentId>| id.is_some_and(|id| archetype.contains(id));
         let on = |row: &&Row| has(components.get_id(row.component()));
         let rows = || techniques.rows.iter().filter(on);
-        let Some(first) = rows().next().map(Row::component_name) else {
+        let Some(chosen) = chosen(rows().enumerate()).filter(|_| !has(companion)) else {
             continue;
         };
+        let first = chosen.first.1.component_name();
+        let used = [Some(chosen.first.1), chosen.second.map(|(_, row)| row)];
+        let used_count = used.iter().flatten().count();
         for entity in archetype.entities().iter().map(|entity| Some(entity.id())) {
             if !has(light) {
                 round.state(
@@ -61,17 +67,21 @@ fn report_components(world: &World, techniques: &Techniques, reports: &mut Repor
                         "{first} has no effect: the entity is no light. Put it on the entity that has the light."
                     ),
                 );
-            } else if rows().count() > 1 {
+            } else if rows().count() > used_count {
                 let others = fmt::from_fn(|f| {
                     rows()
-                        .skip(1)
+                        .filter(|row| **row != *chosen.first.1)
                         .try_for_each(|row| write!(f, " and {}", row.component_name()))
+                });
+                let are_used = fmt::from_fn(|f| match chosen.second {
+                    Some((_, second)) => write!(f, "{first} and {} are used", second.component_name()),
+                    None => write!(f, "{first} is used"),
                 });
                 round.state(
                     entity,
                     2,
                     format_args!(
-                        "The light has {} shadow techniques, {first}{others}; {first} is used. Remove the others.",
+                        "The light has {} shadow techniques, {first}{others}; {are_used}. Remove the others.",
                         rows().count()
                     ),
                 );

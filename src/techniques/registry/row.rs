@@ -12,7 +12,7 @@ use super::texels::TexelLookup;
 use crate::debug_lines::DebugLines;
 use crate::reports::Round;
 use crate::scene::Light;
-use crate::sets::Needs;
+use crate::sets::{LeftObjects, Needs};
 
 /// A [`Technique`] without its type: it holds functions instead of a type parameter. Only [`Row::of`] makes
 /// rows.
@@ -48,6 +48,9 @@ struct Constants {
     paths: &'static [&'static str],
     load_files: fn(&mut World, Entity) -> Result<(), FileError>,
     texels: fn(&World, usize) -> Option<TexelLookup<'_>>,
+    leaves_others: bool,
+    left_to_others: fn(&World, usize) -> LeftObjects<'_>,
+    is_same: fn(&EntityRef, &EntityRef) -> bool,
 }
 
 impl PartialEq for Row {
@@ -80,6 +83,9 @@ impl Row {
                     paths: T::PATHS,
                     load_files: T::load_files,
                     texels: T::texels,
+                    leaves_others: T::LEAVES_OTHERS,
+                    left_to_others: T::left_to_others,
+                    is_same: |a, b| a.get::<T>() == b.get::<T>(),
                 }
             },
             needs: T::NEEDS,
@@ -121,6 +127,21 @@ impl Row {
     /// Returns what the stages before and after the technique do for its lights ([`Technique::NEEDS`]).
     pub fn needs(&self) -> Needs {
         self.needs
+    }
+
+    /// Whether a light with the technique may have another one beside it ([`Technique::LEAVES_OTHERS`]).
+    pub fn leaves_others(&self) -> bool {
+        self.constants.leaves_others
+    }
+
+    /// Returns the objects that the technique leaves to another one ([`Technique::left_to_others`]).
+    pub(super) fn left_to_others<'w>(&self, world: &'w World, light: usize) -> LeftObjects<'w> {
+        (self.constants.left_to_others)(world, light)
+    }
+
+    /// Whether two entities have equal settings of the technique, or none.
+    pub(super) fn is_same(&self, a: &EntityRef, b: &EntityRef) -> bool {
+        (self.constants.is_same)(a, b)
     }
 
     /// Returns the names of the settings that are paths ([`Technique::PATHS`]).

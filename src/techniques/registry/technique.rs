@@ -15,7 +15,7 @@ use crate::render::recorder::Recorder;
 use crate::render::shaders::ShaderFile;
 use crate::reports::Round;
 use crate::scene::Light;
-use crate::sets::Needs;
+use crate::sets::{LeftObjects, Needs};
 
 /// A shadow technique: a component that a user puts on a light, with everything that the crate must know to
 /// shadow the light. Items with a default are optional.
@@ -26,6 +26,19 @@ pub trait Technique: Component<Mutability = Mutable> + Clone + PartialEq + Defau
 
     /// Work that the stages before and after this technique do for its lights.
     const NEEDS: Needs;
+
+    /// Whether the technique knows only a part of the scene and leaves the rest to another technique: a light with this
+    /// component may then have one more. On receivers that this technique knows, the darker visibility of both counts, and the
+    /// other technique shadows by casters that this one does not know. On all other receivers the other technique shadows
+    /// alone, by all casters. The mask is 1 there, or less where the light shines less. Default: false.
+    const LEAVES_OTHERS: bool = false;
+
+    /// Returns the objects that the technique leaves to another technique of a light in this frame, if it leaves any
+    /// ([`Technique::LEAVES_OTHERS`]). `light` is the light's index in [`FrameLights`](crate::sets::FrameLights). Systems that
+    /// find them belong in the set [`LeavingSystems`](crate::techniques::LeavingSystems). The default leaves all objects.
+    fn left_to_others(_world: &World, _light: usize) -> LeftObjects<'_> {
+        LeftObjects::All
+    }
 
     /// Names of the settings that are paths of files or folders. A shot file has them relative to itself. The default is no
     /// paths.

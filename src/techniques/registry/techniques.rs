@@ -75,16 +75,27 @@ impl Techniques {
         self.rows.iter().copied().find(|row| row.name() == name)
     }
 
-    /// Yields the techniques whose components are on an entity. The first of them shadows the light.
+    /// Yields the techniques whose components are on an entity. The first of them shadows the light, unless another one leaves
+    /// objects to it ([`Technique::LEAVES_OTHERS`]).
     pub fn on<'a>(&'a self, entity: EntityRef<'a>) -> impl Iterator<Item = Row> + 'a {
         self.rows.iter().copied().filter(move |row| row.is_on(&entity))
     }
 
-    /// Adds lines that show how the technique of a light shadows it, such as the faces of its map. `light` is an index
+    /// Adds lines that show how the techniques of a light shadow it, such as the faces of its map. `light` is an index
     /// into [`FrameLights`] of the last frame of `world`; a light without a technique has no lines.
     pub fn debug_lines(&self, world: &World, light: usize, out: &mut DebugLines) {
-        if let Some(row) = self.of_light(world, light) {
-            row.debug_lines(world, light, out);
+        let mut draw = |light: usize| {
+            if let Some(row) = self.of_light(world, light) {
+                row.debug_lines(world, light, out);
+            }
+        };
+        draw(light);
+        let Some(lights) = world.get_resource::<FrameLights>() else {
+            return;
+        };
+        if let Some(light) = lights.of_scene().get(light) {
+            let companions = lights.companions_of(light.entity);
+            companions.for_each(|(companion, _)| draw(companion));
         }
     }
 

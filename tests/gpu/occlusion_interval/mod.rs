@@ -2,9 +2,10 @@
 
 mod appearance;
 mod by_hand;
+pub mod companions;
 mod drawn;
 mod exactness;
-mod faults;
+pub mod faults;
 mod left_out;
-mod scenes;
+pub mod scenes;
 mod shots;

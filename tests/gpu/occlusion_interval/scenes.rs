@@ -134,7 +134,7 @@ pub fn seen(stage: &mut Stage) -> (RayScene, HitImage) {
     (scene, hits)
 }
 
-fn towards(path: &LightPath, time: f32) -> DVec3 {
+pub fn towards(path: &LightPath, time: f32) -> DVec3 {
     match path.at(time) {
         PathPoint::Direction(direction) => -direction.as_dvec3(),
         PathPoint::Position(position) => panic!("{position} is no direction"),

@@ -5,11 +5,14 @@ use std::path::Path;
 use antumbra::baking::{BakeSettings, bake_into};
 use antumbra::prelude::*;
 use antumbra::techniques::Techniques;
+use bevy_transform::prelude::Transform;
+use glam::Vec3;
 use serde_json::{Value, json};
 
 use crate::harness::strict_context;
 use crate::harness::support::shot::Shot;
 use crate::harness::support::stage::Stage;
+use crate::harness::support::stats;
 
 fn shot(light: Value) -> Value {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/models");
@@ -76,6 +79,36 @@ fn keys_that_cannot_be_used_are_named() {
     );
     refused(&|light| light["shadow"]["maps"] = json!(""), "maps is not given");
     refused(&|light| light["shadow"]["texels"] = json!(8), "texels");
+    // The second technique.
+    for (moving, part) in [
+        (
+            json!("shadow_map"),
+            "shadow.moving: \"shadow_map\" must be an object",
+        ),
+        (
+            json!({"technique": "shadow"}),
+            "shadow.moving.technique: no technique is called `shadow`",
+        ),
+        (
+            json!({"technique": "stencil_volume", "slices": 3}),
+            "shadow.moving.slices: unknown field `slices`",
+        ),
+        (json!({"technique": "omni_map"}), "shadow.moving: "),
+        (
+            json!({"technique": "occlusion_interval", "maps": "maps"}),
+            "shadow.moving.technique: occlusion_interval cannot be the second",
+        ),
+    ] {
+        refused(&|light| light["shadow"]["moving"] = moving.clone(), part);
+    }
+    refused(
+        &|light| {
+            let shadow = json!({"technique": "stencil_volume", "moving": {"technique": "shadow_map"}});
+            light["shadow"] = shadow;
+            light.as_object_mut().map(|light| light.remove("path"));
+        },
+        "unknown field `moving`",
+    );
 }
 
 #[test]
@@ -135,6 +168,40 @@ fn a_shot_is_baked_beside_its_file_and_drawn_from_there() {
     let rendered = stage.render().expect("the frame renders");
     let dark = rendered.visibility[0].iter().filter(|&&v| v < 0.5).count();
     assert!(dark > 20, "{dark} pixels are in shadow");
+    // With a second technique, what is put into the scene later casts.
+    let mut light = arc();
+    light["shadow"]["moving"] = json!({"technique": "stencil_volume"});
+    std::fs::write(&file, self::shot(light).to_string()).expect("it is written");
+    let moving = Shot::load(&file, Techniques::default()).expect("the shot");
+    let mut moved = Stage::of_shot(&moving).expect("the scene");
+    moved.world.insert_resource(FaceCulling::None);
+    moved
+        .add_renderer(strict_context(), RenderSettings::default())
+        .expect("shaders compose");
+    let mut drawn = moved.render().expect("the frame renders");
+    assert!(drawn.visibility == rendered.visibility, "nothing moves yet");
+    let stats = stats::collect(&mut moved, &drawn);
+    assert_eq!(stats["lights"][0]["moving"]["on_known"]["S"], json!(0));
+    assert_eq!(stats["lights"].as_array().map(Vec::len), Some(1));
+    super::scenes::spawn(
+        &mut moved.world,
+        MeshData::cuboid(Vec3::new(1.0, 0.05, 1.0)),
+        Transform::from_xyz(0.4, 1.4, 0.3),
+    );
+    drawn = moved.render().expect("the frame renders");
+    let more = drawn.visibility[0].iter().filter(|&&v| v < 0.5).count();
+    println!("{dark} pixels are in shadow, {more} with a plate that is not in the maps");
+    assert!(more > dark + 100, "{more} after {dark}");
+    let stats = stats::collect(&mut moved, &drawn);
+    let light = &stats["lights"][0];
+    assert_eq!(light["technique"], json!("occlusion_interval"));
+    let parts = &light["moving"];
+    assert_eq!(
+        (&parts["on_known"]["technique"], &parts["on_known"]["S"]),
+        (&json!("stencil_volume"), &json!(1))
+    );
+    assert!(parts["on_others"]["I"].is_u64(), "{light:#}");
+    assert_eq!(stats["reports"], json!([]));
     let picture = maps.join("page0.pair0.rise.png");
     let bytes = std::fs::read(&picture).expect("a page");
     std::fs::write(&picture, &bytes[..bytes.len() / 2]).expect("it is cut");

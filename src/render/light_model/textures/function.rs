@@ -121,7 +121,7 @@ impl LightFunction for LightTextureFunction {
         let Some(view) = &world.resource::<View>().data else {
             return Ok(());
         };
-        let lights = &world.resource::<FrameLights>().lights;
+        let lights = world.resource::<FrameLights>().of_scene();
         for light in lights {
             let is_drawn = !light.textures.is_empty() && light.region.scissor.is_some();
             let draw = is_drawn.then(|| self.prepare_light(light, view.eye, input.gpu));
