@@ -203,11 +203,7 @@ impl RenderContext {
                 reason: error.to_string(),
             })?;
         let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
-        let mut context = Self::from_device(device, queue, name);
-        if info.device_type == wgpu::DeviceType::Cpu {
-            context.anisotropy = 1;
-        }
-        Ok(context)
+        Ok(Self::from_device(device, queue, name))
     }
 
     /// Makes a context on the device of an engine. It replaces the device's callback for its loss, to hear of
@@ -225,10 +221,13 @@ impl RenderContext {
     /// engine calls [`RenderContext::set_lost`] when the device is lost. `adapter` is a name for reports.
     pub fn hosted(device: wgpu::Device, queue: wgpu::Queue, adapter: String) -> Self {
         Self {
+            anisotropy: match device.adapter_info().device_type {
+                wgpu::DeviceType::Cpu => 1,
+                _ => 8,
+            },
             device,
             queue,
             adapter,
-            anisotropy: 8,
             lost: Arc::new(AtomicBool::new(false)),
         }
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::WorldId;
 
 use super::frame::draw_list::DrawListBuilder;
 use super::frame::frame_data::{ActiveLight, FrameData};
@@ -42,7 +43,11 @@ use super::{FrameTargets, Gpu, RenderContext, RenderError};
 use crate::sets::FrameLights;
 
 /// Draws the frames of one view. It is a resource: the systems of the set `PrepareGpu` prepare a frame, and
-/// [`Renderer::record`] records it.
+/// [`Renderer::record`] records it. The commands of a frame must be submitted before the schedule runs for the next one: what the
+/// schedule writes to the device's queue would come before them.
+///
+/// A renderer may go from one world to another. It then keeps its settings, targets and light functions, and makes everything else
+/// again in its first frame there, so that a renderer for each world is faster for worlds that take turns.
 #[derive(Resource)]
 pub struct Renderer {
     /// The settings by which the frame is drawn.
@@ -59,6 +64,8 @@ pub struct Renderer {
     pub(super) matrices_of: Option<(u64, ObjectView)>,
     /// The last [`Objects::frame`](crate::sets::Objects::frame) for which the renderer was prepared.
     pub(super) last_frame: u64,
+    /// The world of that frame.
+    world: Option<WorldId>,
     /// True after a frame that failed: what changed in it has not reached the GPU.
     pub(super) has_missed_changes: bool,
     pub(super) view_buffer: wgpu::Buffer,
@@ -136,6 +143,7 @@ impl Renderer {
             table_generation: None,
             matrices_of: None,
             last_frame: 0,
+            world: None,
             has_missed_changes: false,
             view_group: bind_view(&gpu, &view_buffer, &objects.buffer),
             light_group: bind_lights(&gpu, &lights),
@@ -167,6 +175,17 @@ impl Renderer {
             lights,
             gpu,
         })
+    }
+
+    /// Forgets what was made for another world. Worlds count frames and revisions by themselves, so that equal numbers of two
+    /// worlds say nothing.
+    pub(super) fn enter(&mut self, world: WorldId) {
+        if self.world.replace(world).is_some_and(|last| last != world) {
+            self.techniques = Recorders::default();
+            self.table_generation = None;
+            self.matrices_of = None;
+            self.has_missed_changes = true;
+        }
     }
 
     /// The recorders of the world's techniques.

@@ -6,7 +6,8 @@ use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DMat4, DVec4, Mat4, Quat, Vec2};
 
 /// A camera at its `GlobalTransform`, looking along local −Z. Its depth is reversed; in perspective it is
-/// also infinite ([`conventions`](crate::conventions)). A transform that mirrors gives a mirrored view.
+/// also infinite ([`conventions`](crate::conventions)). A transform that mirrors gives a mirrored view. If a world has several, the
+/// frame shows the view of the one that was spawned first ([`collect_view`](crate::sets::collect_view)).
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[require(Transform)]
 pub struct Camera {

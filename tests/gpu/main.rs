@@ -38,3 +38,4 @@ mod steady_frame;
 mod stencil_identity;
 mod technique_changes;
 mod third_party;
+mod worlds;

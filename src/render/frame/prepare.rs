@@ -1,6 +1,7 @@
 //! Systems of the set `PrepareGpu` that upload objects, the view and the data of techniques.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::WorldId;
 use glam::{DMat4, UVec2};
 
 use super::frame_data::{MatrixWork, Viewport};
@@ -29,8 +30,10 @@ pub fn prepare_objects(
     mut appearances: NewAppearances,
     posed: Query<(Entity, Ref<PosedMesh>)>,
     mut parts: ObjectParts,
+    world: WorldId,
 ) {
     let renderer = renderer.as_mut();
+    renderer.enter(world);
     // A renderer that was out of the world for some frames has missed what changed in them.
     let was_away = std::mem::replace(&mut renderer.last_frame, objects.frame) + 1 != objects.frame;
     renderer.frame.matrices = MatrixWork::default();

@@ -18,8 +18,8 @@ pub struct FrameOutputs<'a> {
     /// ([`Renderer::prepare_output`]).
     pub picture: Option<&'a wgpu::TextureView>,
     /// One view of the format [`VISIBILITY_FORMAT`](crate::render::nodes::pipelines::VISIBILITY_FORMAT) for
-    /// each light of the scene ([`FrameLights::of_scene`](crate::sets::FrameLights::of_scene)), or an empty
-    /// slice for no pictures of visibility.
+    /// each light of the scene ([`FrameLights::of_scene`](crate::sets::FrameLights::of_scene)), as large as the
+    /// targets of the frame, or an empty slice for no pictures of visibility.
     pub visibility: &'a [wgpu::TextureView],
 }
 
