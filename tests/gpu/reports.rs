@@ -247,14 +247,11 @@ fn a_world_without_a_picture_says_what_is_missing() {
     expect_nothing(&mut stage);
 }
 
-#[test]
-fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
-    let mut stage = stage(strict_context());
-    expect_nothing(&mut stage);
+/// Draws the prepared frame into a picture of its own.
+fn draw_picture(stage: &Stage, format: wgpu::TextureFormat) {
     let renderer = stage.world.resource::<Renderer>();
-    let context = renderer.context().clone();
-    let format = wgpu::TextureFormat::Rgb10a2Unorm;
-    let picture = create_target(&context, "picture", SIZE, format).expect("a texture");
+    let context = renderer.context();
+    let picture = create_target(context, "picture", SIZE, format).expect("a texture");
     let picture = picture.create_view(&Default::default());
     let mut encoder = context.device.create_command_encoder(&Default::default());
     let outputs = FrameOutputs {
@@ -263,6 +260,14 @@ fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
     };
     renderer.record(&mut encoder, &outputs);
     context.queue.submit([encoder.finish()]);
+}
+
+#[test]
+fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
+    let mut stage = stage(strict_context());
+    expect_nothing(&mut stage);
+    let format = wgpu::TextureFormat::Rgb10a2Unorm;
+    draw_picture(&stage, format);
     expect(
         &mut stage,
         "renderer",
@@ -271,6 +276,27 @@ fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
     );
     stage.world.resource_mut::<Renderer>().prepare_output(format);
     expect_nothing(&mut stage);
+}
+
+/// A timer whose pass did not run is never written, and waiting for it may hang a device.
+#[test]
+fn a_picture_that_is_not_written_is_not_timed() {
+    let mut stage = stage(own_context(RequestedFeatures {
+        timestamps: true,
+        ..Default::default()
+    }));
+    let format = wgpu::TextureFormat::Rgb10a2Unorm;
+    let mut is_timed = || {
+        stage.run();
+        draw_picture(&stage, format);
+        let mut renderer = stage.world.resource_mut::<Renderer>();
+        let times = renderer.timings().read(renderer.context()).expect("times");
+        assert!(!times.is_empty(), "the device has timers");
+        renderer.prepare_output(format);
+        times.iter().any(|time| time.label == "tonemap")
+    };
+    assert!(!is_timed(), "nothing was prepared");
+    assert!(is_timed());
 }
 
 #[test]

@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage, Variants};
+use crate::render::gpu::timings::Timings;
 use crate::render::{Gpu, RenderError};
 
 /// The pipelines of the tonemap, one for each output format, and the exposure.
@@ -89,7 +90,7 @@ impl Tonemap {
         encoder: &mut wgpu::CommandEncoder,
         output: &wgpu::TextureView,
         bind_group: &wgpu::BindGroup,
-        timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
+        timings: &Timings,
     ) {
         let format = output.texture().format();
         // A view may read the texels of its texture as sRGB, or not, and does not tell.
@@ -110,7 +111,7 @@ impl Tonemap {
                     store: wgpu::StoreOp::Store,
                 },
             })],
-            timestamp_writes,
+            timestamp_writes: timings.pass("tonemap"),
             ..Default::default()
         });
         pass.set_pipeline(pipeline);
