@@ -278,6 +278,19 @@ fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
     expect_nothing(&mut stage);
 }
 
+#[test]
+fn a_picture_that_is_written_ends_the_report_of_one_that_was_not() {
+    let mut stage = stage(strict_context());
+    let written = wgpu::TextureFormat::Rgba8Unorm;
+    stage.world.resource_mut::<Renderer>().prepare_output(written);
+    expect_nothing(&mut stage);
+    draw_picture(&stage, wgpu::TextureFormat::Rgb10a2Unorm);
+    expect(&mut stage, "renderer", None, &["Rgb10a2Unorm"]);
+    draw_picture(&stage, written);
+    expect_nothing(&mut stage);
+    assert_eq!(stage.world.resource::<Renderer>().unprepared_output(), None);
+}
+
 /// A timer whose pass did not run is never written, and waiting for it may hang a device.
 #[test]
 fn a_picture_that_is_not_written_is_not_timed() {

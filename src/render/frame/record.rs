@@ -37,7 +37,7 @@ impl Renderer {
     }
 
     /// Returns the format of a picture that was asked for but not written, because [`Renderer::prepare_output`] was not called
-    /// with it.
+    /// with it. It is forgotten when it is prepared, or when a picture is written.
     pub fn unprepared_output(&self) -> Option<wgpu::TextureFormat> {
         self.tonemap.unprepared()
     }
