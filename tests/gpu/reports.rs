@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::harness::support::stage::Stage;
 use crate::harness::{own_context, strict_context};
 use antumbra::prelude::*;
-use antumbra::render::{HostView, create_target};
+use antumbra::render::{HostView, RenderError, create_target};
 use antumbra::reports::{Report, Reports};
 use antumbra::scene::{Texture, TextureSlot};
 use antumbra::techniques::VisibilityBuffer;
@@ -289,6 +289,39 @@ fn a_picture_that_is_written_ends_the_report_of_one_that_was_not() {
     draw_picture(&stage, written);
     expect_nothing(&mut stage);
     assert_eq!(stage.world.resource::<Renderer>().unprepared_output(), None);
+}
+
+/// An output whose pipeline fails is prepared between two frames.
+#[test]
+fn a_failure_between_frames_is_that_of_the_next_one() {
+    let mut stage = stage(strict_context());
+    expect_nothing(&mut stage);
+    let fail = |stage: &mut Stage| {
+        let error = RenderError::Shader {
+            name: "passes/mine.wgsl".to_owned(),
+            reason: "no such name".to_owned(),
+        };
+        stage.world.resource_mut::<Renderer>().fail(error);
+    };
+    let lights = |stage: &Stage| stage.world.resource::<Renderer>().frame().lights.len();
+    fail(&mut stage);
+    assert!(stage.world.resource::<Renderer>().failure().is_some());
+    assert_eq!(lights(&stage), 1, "the frame before is untouched");
+    let new = frame(&mut stage);
+    assert_eq!(new.len(), 1, "{new:#?}");
+    assert!(
+        new[0].message.contains("passes/mine.wgsl: no such name"),
+        "{new:#?}"
+    );
+    assert_eq!(lights(&stage), 0);
+    let failure = stage.world.resource_mut::<Renderer>().take_failure();
+    assert!(matches!(failure, Some(RenderError::Shader { .. })), "{failure:?}");
+    expect_nothing(&mut stage);
+    assert_eq!(lights(&stage), 1);
+
+    fail(&mut stage);
+    assert!(stage.world.resource_mut::<Renderer>().take_failure().is_some());
+    expect_nothing(&mut stage);
 }
 
 /// A timer whose pass did not run is never written, and waiting for it may hang a device.

@@ -26,7 +26,8 @@ pub struct FrameOutputs<'a> {
 impl Renderer {
     /// Makes the pipeline that writes pictures whose view has this format. Call it once, and again after
     /// [`RenderSettings::exposure`] changed. If the view of a picture is sRGB and its texture is not, prepare the format of the
-    /// view alone, because a view does not tell its format.
+    /// view alone, because a view does not tell its format. If it fails, the next frame draws nothing and has the error
+    /// ([`Renderer::failure`]).
     ///
     /// [`RenderSettings::exposure`]: crate::render::RenderSettings::exposure
     pub fn prepare_output(&mut self, format: wgpu::TextureFormat) {
