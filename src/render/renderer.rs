@@ -312,9 +312,9 @@ impl Renderer {
         self.failure.take().or_else(|| self.late_failure.take())
     }
 
-    /// Makes the next frame draw nothing, because of an error. While a technique's recorder is made or prepared, that is the
-    /// frame of this run of the schedule; before and after, that of the next run, which reports the error unless
-    /// [`Renderer::take_failure`] takes it first. The first error of a frame is kept.
+    /// Makes the frame that is prepared next draw nothing, because of an error. A system that runs before the set
+    /// [`PrepareGpu`](crate::schedule::AntumbraSystems::PrepareGpu) does this to the frame of its own run of the schedule. The
+    /// frame has the error, unless [`Renderer::take_failure`] takes it first. The first error of a frame is kept.
     pub fn fail(&mut self, failure: RenderError) {
         let of_frame = if self.is_preparing {
             &mut self.failure
