@@ -200,7 +200,7 @@ struct RecordedCopy {
 }
 
 impl RecordedCopy {
-    fn is_done(mut self) {
+    fn finish(mut self) {
         self.then = State::Copied;
     }
 }
@@ -243,7 +243,7 @@ impl OverflowReport {
                 state: self.state.clone(),
                 then: State::Idle,
             };
-            encoder.on_submitted_work_done(move || copy.is_done());
+            encoder.on_submitted_work_done(move || copy.finish());
         }
     }
 
