@@ -96,6 +96,10 @@ pub struct Renderer {
     pub(super) frame: FrameData,
     pub(super) timings: Timings,
     pub(super) failure: Option<RenderError>,
+    /// The first error since the last frame was prepared. It becomes the failure of the next one.
+    pub(super) late_failure: Option<RenderError>,
+    /// True while the systems prepare a frame.
+    pub(super) is_preparing: bool,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -170,6 +174,8 @@ impl Renderer {
             frame: FrameData::default(),
             timings: Timings::new(context),
             failure: None,
+            late_failure: None,
+            is_preparing: false,
             view_buffer,
             objects,
             lights,
@@ -315,20 +321,26 @@ impl Renderer {
             .sum::<usize>()
     }
 
-    /// The error of the last prepared frame, unless [`Renderer::take_failure`] has taken it.
+    /// The error of the last prepared frame, or else of what was done since, unless [`Renderer::take_failure`] has taken it.
     pub fn failure(&self) -> Option<&RenderError> {
-        self.failure.as_ref()
+        self.failure.as_ref().or(self.late_failure.as_ref())
     }
 
-    /// Takes the error of the last prepared frame. A frame with an error draws nothing.
+    /// Takes the error of the last prepared frame, or else of what was done since. A frame with an error draws nothing.
     pub fn take_failure(&mut self) -> Option<RenderError> {
-        self.failure.take()
+        self.failure.take().or_else(|| self.late_failure.take())
     }
 
-    /// Makes this frame draw nothing, because of an error. Call it from a system between `prepare_objects`
-    /// and `prepare_draws`. The first error of a frame is kept.
+    /// Makes the frame that is prepared next draw nothing, because of an error. A system that runs before the set
+    /// [`PrepareGpu`](crate::schedule::AntumbraSystems::PrepareGpu) does this to the frame of its own run of the schedule. The
+    /// frame has the error, unless [`Renderer::take_failure`] takes it first. The first error of a frame is kept.
     pub fn fail(&mut self, failure: RenderError) {
-        self.failure.get_or_insert(failure);
+        let of_frame = if self.is_preparing {
+            &mut self.failure
+        } else {
+            &mut self.late_failure
+        };
+        of_frame.get_or_insert(failure);
     }
 
     pub(super) fn surface_resources(&self) -> SurfaceResources<'_> {

@@ -27,7 +27,8 @@ pub fn report_renderer(world: &World, reports: &mut Reports) {
                 10,
                 format_args!(
                     "The picture was not written: its format is {format:?}, for which no pipeline was made. Call \
-                     `Renderer::prepare_output` with this format once, before the first frame."
+                     `Renderer::prepare_output` with this format once, before the first frame; if it was called, an earlier \
+                     report says why it failed."
                 ),
             );
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::harness::support::stage::Stage;
 use crate::harness::{own_context, strict_context};
 use antumbra::prelude::*;
-use antumbra::render::{HostView, create_target};
+use antumbra::render::{HostView, RenderError, create_target};
 use antumbra::reports::{Report, Reports};
 use antumbra::scene::{Texture, TextureSlot};
 use antumbra::techniques::VisibilityBuffer;
@@ -247,14 +247,11 @@ fn a_world_without_a_picture_says_what_is_missing() {
     expect_nothing(&mut stage);
 }
 
-#[test]
-fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
-    let mut stage = stage(strict_context());
-    expect_nothing(&mut stage);
+/// Draws the prepared frame into a picture of its own.
+fn draw_picture(stage: &Stage, format: wgpu::TextureFormat) {
     let renderer = stage.world.resource::<Renderer>();
-    let context = renderer.context().clone();
-    let format = wgpu::TextureFormat::Rgb10a2Unorm;
-    let picture = create_target(&context, "picture", SIZE, format).expect("a texture");
+    let context = renderer.context();
+    let picture = create_target(context, "picture", SIZE, format).expect("a texture");
     let picture = picture.create_view(&Default::default());
     let mut encoder = context.device.create_command_encoder(&Default::default());
     let outputs = FrameOutputs {
@@ -263,6 +260,14 @@ fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
     };
     renderer.record(&mut encoder, &outputs);
     context.queue.submit([encoder.finish()]);
+}
+
+#[test]
+fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
+    let mut stage = stage(strict_context());
+    expect_nothing(&mut stage);
+    let format = wgpu::TextureFormat::Rgb10a2Unorm;
+    draw_picture(&stage, format);
     expect(
         &mut stage,
         "renderer",
@@ -271,6 +276,73 @@ fn a_picture_of_a_format_that_was_not_prepared_is_reported() {
     );
     stage.world.resource_mut::<Renderer>().prepare_output(format);
     expect_nothing(&mut stage);
+}
+
+#[test]
+fn a_picture_that_is_written_ends_the_report_of_one_that_was_not() {
+    let mut stage = stage(strict_context());
+    let written = wgpu::TextureFormat::Rgba8Unorm;
+    stage.world.resource_mut::<Renderer>().prepare_output(written);
+    expect_nothing(&mut stage);
+    draw_picture(&stage, wgpu::TextureFormat::Rgb10a2Unorm);
+    expect(&mut stage, "renderer", None, &["Rgb10a2Unorm"]);
+    draw_picture(&stage, written);
+    expect_nothing(&mut stage);
+    assert_eq!(stage.world.resource::<Renderer>().unprepared_output(), None);
+}
+
+/// An output whose pipeline fails is prepared between two frames.
+#[test]
+fn a_failure_between_frames_is_that_of_the_next_one() {
+    let mut stage = stage(strict_context());
+    expect_nothing(&mut stage);
+    let fail = |stage: &mut Stage| {
+        let error = RenderError::Shader {
+            name: "passes/mine.wgsl".to_owned(),
+            reason: "no such name".to_owned(),
+        };
+        stage.world.resource_mut::<Renderer>().fail(error);
+    };
+    let lights = |stage: &Stage| stage.world.resource::<Renderer>().frame().lights.len();
+    fail(&mut stage);
+    assert!(stage.world.resource::<Renderer>().failure().is_some());
+    assert_eq!(lights(&stage), 1, "the frame before is untouched");
+    let new = frame(&mut stage);
+    assert_eq!(new.len(), 1, "{new:#?}");
+    assert!(
+        new[0].message.contains("passes/mine.wgsl: no such name"),
+        "{new:#?}"
+    );
+    assert_eq!(lights(&stage), 0);
+    let failure = stage.world.resource_mut::<Renderer>().take_failure();
+    assert!(matches!(failure, Some(RenderError::Shader { .. })), "{failure:?}");
+    expect_nothing(&mut stage);
+    assert_eq!(lights(&stage), 1);
+
+    fail(&mut stage);
+    assert!(stage.world.resource_mut::<Renderer>().take_failure().is_some());
+    expect_nothing(&mut stage);
+}
+
+/// A timer whose pass did not run is never written, and waiting for it may hang a device.
+#[test]
+fn a_picture_that_is_not_written_is_not_timed() {
+    let mut stage = stage(own_context(RequestedFeatures {
+        timestamps: true,
+        ..Default::default()
+    }));
+    let format = wgpu::TextureFormat::Rgb10a2Unorm;
+    let mut is_timed = || {
+        stage.run();
+        draw_picture(&stage, format);
+        let mut renderer = stage.world.resource_mut::<Renderer>();
+        let times = renderer.timings().read(renderer.context()).expect("times");
+        assert!(!times.is_empty(), "the device has timers");
+        renderer.prepare_output(format);
+        times.iter().any(|time| time.label == "tonemap")
+    };
+    assert!(!is_timed(), "nothing was prepared");
+    assert!(is_timed());
 }
 
 #[test]

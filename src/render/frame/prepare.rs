@@ -93,8 +93,12 @@ pub fn prepare_objects(
 fn begin_frame(renderer: &mut Renderer, view: &View, viewport: UVec2) -> Result<(), RenderError> {
     renderer.frame.has_view = false;
     renderer.failure = None;
+    renderer.is_preparing = true;
     if renderer.gpu.context.notice_loss() {
         return Err(RenderError::DeviceLost);
+    }
+    if let Some(error) = renderer.late_failure.take() {
+        return Err(error);
     }
     let host = renderer.host;
     renderer.frame.viewport = Viewport {

@@ -28,6 +28,7 @@ pub fn prepare_draws(
     face_culling: Res<FaceCulling>,
 ) {
     let renderer = renderer.as_mut();
+    renderer.is_preparing = false;
     renderer.frame.clear();
     renderer.lights.constants.clear();
     let Some(current) = view.data.as_ref().filter(|_| renderer.failure.is_none()) else {

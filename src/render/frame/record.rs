@@ -26,7 +26,8 @@ pub struct FrameOutputs<'a> {
 impl Renderer {
     /// Makes the pipeline that writes pictures whose view has this format. Call it once, and again after
     /// [`RenderSettings::exposure`] changed. If the view of a picture is sRGB and its texture is not, prepare the format of the
-    /// view alone, because a view does not tell its format.
+    /// view alone, because a view does not tell its format. If it fails, the next frame draws nothing and has the error
+    /// ([`Renderer::failure`]).
     ///
     /// [`RenderSettings::exposure`]: crate::render::RenderSettings::exposure
     pub fn prepare_output(&mut self, format: wgpu::TextureFormat) {
@@ -37,7 +38,7 @@ impl Renderer {
     }
 
     /// Returns the format of a picture that was asked for but not written, because [`Renderer::prepare_output`] was not called
-    /// with it.
+    /// with it. It is forgotten when it is prepared, or when a picture is written.
     pub fn unprepared_output(&self) -> Option<wgpu::TextureFormat> {
         self.tonemap.unprepared()
     }
@@ -158,8 +159,7 @@ impl Renderer {
 
     fn record_picture(&self, frame: &mut Recording, outputs: &FrameOutputs) {
         if let (Some(picture), Some((_, group))) = (outputs.picture, &self.radiance) {
-            let timer = frame.timings.pass("tonemap");
-            self.tonemap.record(frame.encoder, picture, group, timer);
+            self.tonemap.record(frame.encoder, picture, group, frame.timings);
         }
     }
 }

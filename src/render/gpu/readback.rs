@@ -25,6 +25,7 @@ pub fn read_buffer(
     size: u64,
     what: &str,
 ) -> Result<Vec<u8>, RenderError> {
+    check_device(context)?;
     let staging = staging(context, size);
     let mut encoder = context.device.create_command_encoder(&Default::default());
     encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
@@ -42,6 +43,7 @@ pub fn read_texture(
     aspect: wgpu::TextureAspect,
     what: &str,
 ) -> Result<TexelRows, RenderError> {
+    check_device(context)?;
     let size = UVec2::new(texture.width(), texture.height());
     let texel_size = texture
         .format()
@@ -84,6 +86,14 @@ pub fn read_texture(
     })
 }
 
+/// On a lost device nothing can be copied, of which wgpu would complain to whoever takes its uncaptured errors.
+fn check_device(context: &RenderContext) -> Result<(), RenderError> {
+    if context.notice_loss() {
+        return Err(RenderError::DeviceLost);
+    }
+    Ok(())
+}
+
 fn staging(context: &RenderContext, size: u64) -> wgpu::Buffer {
     context.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("readback"),
@@ -104,15 +114,22 @@ fn map(context: &RenderContext, staging: &wgpu::Buffer, what: &str) -> Result<Ve
             }
         }
     };
+    let wait = || {
+        let waited = context.device.poll(wgpu::PollType::wait_indefinitely());
+        waited.map_err(|error| failed(error.to_string()))
+    };
+    // The copy is done before its buffer is mapped, so that a loss meanwhile is an error of the mapping. Reading a buffer
+    // that is lost after it was mapped would panic.
+    wait()?;
     let (sender, receiver) = std::sync::mpsc::channel();
+    // A device that was lost before the copy has no buffer to map. The callback hears of that error, too.
+    let scope = context.device.push_error_scope(wgpu::ErrorFilter::Validation);
     staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
         // The receiver is gone only if polling failed. That error is reported below.
         let _ = sender.send(result);
     });
-    context
-        .device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .map_err(|error| failed(error.to_string()))?;
+    drop(scope);
+    wait()?;
     receiver
         .recv()
         .map_err(|error| failed(error.to_string()))?

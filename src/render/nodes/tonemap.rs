@@ -5,10 +5,11 @@
 //! Reads   radiance.  Writes  the output view
 //! Order   last
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage, Variants};
+use crate::render::gpu::timings::Timings;
 use crate::render::{Gpu, RenderError};
 
 /// The pipelines of the tonemap, one for each output format, and the exposure.
@@ -16,8 +17,8 @@ use crate::render::{Gpu, RenderError};
 pub struct Tonemap {
     exposure: wgpu::Buffer,
     pipelines: Variants<wgpu::TextureFormat>,
-    /// The format of an output that was not prepared, and so not written.
-    unprepared: OnceLock<wgpu::TextureFormat>,
+    /// The format of an output that was not prepared, and so not written, until an output is written.
+    unprepared: Mutex<Option<wgpu::TextureFormat>>,
 }
 
 const FILE: &str = "passes/tonemap.wgsl";
@@ -37,7 +38,7 @@ impl Tonemap {
                 mapped_at_creation: false,
             }),
             pipelines: Variants::default(),
-            unprepared: OnceLock::new(),
+            unprepared: Mutex::default(),
         })
     }
 
@@ -64,9 +65,7 @@ impl Tonemap {
         format: wgpu::TextureFormat,
         exposure: f32,
     ) -> Result<(), RenderError> {
-        if self.unprepared.get() == Some(&format) {
-            self.unprepared.take();
-        }
+        self.lock_unprepared().take_if(|unprepared| *unprepared == format);
         let exposure = [exposure, 0.0f32, 0.0, 0.0];
         gpu.context
             .queue
@@ -78,27 +77,33 @@ impl Tonemap {
         })
     }
 
-    /// Returns the format of an output that was not written, because it was not prepared.
+    /// Returns the format of an output that was not written, because it was not prepared. An output that is written ends it.
     pub fn unprepared(&self) -> Option<wgpu::TextureFormat> {
-        self.unprepared.get().copied()
+        *self.lock_unprepared()
     }
 
-    /// Records the pass into a view whose format was prepared. Others are not written, and the first is remembered.
+    fn lock_unprepared(&self) -> MutexGuard<'_, Option<wgpu::TextureFormat>> {
+        self.unprepared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Records the pass into a view whose format was prepared. Others are not written, and the first is remembered until one
+    /// is written.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         output: &wgpu::TextureView,
         bind_group: &wgpu::BindGroup,
-        timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
+        timings: &Timings,
     ) {
         let format = output.texture().format();
         // A view may read the texels of its texture as sRGB, or not, and does not tell.
         let others = [format.add_srgb_suffix(), format.remove_srgb_suffix()];
         let mut formats = [format].into_iter().chain(others);
         let Some(pipeline) = formats.find_map(|format| self.pipelines.get(format)) else {
-            self.unprepared.get_or_init(|| format);
+            self.lock_unprepared().get_or_insert(format);
             return;
         };
+        self.lock_unprepared().take();
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tonemap"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -110,7 +115,7 @@ impl Tonemap {
                     store: wgpu::StoreOp::Store,
                 },
             })],
-            timestamp_writes,
+            timestamp_writes: timings.pass("tonemap"),
             ..Default::default()
         });
         pass.set_pipeline(pipeline);

@@ -1,6 +1,7 @@
 //! The device goes away.
 
-use antumbra::render::RenderError;
+use antumbra::render::readback::{read_buffer, read_texture};
+use antumbra::render::{RenderError, create_target};
 
 use super::*;
 
@@ -42,4 +43,43 @@ fn device_loss_is_survived() {
         .add_renderer(fresh, RenderSettings::default())
         .expect("a new device draws");
     assert!(same(&usual, &render(&mut stage)), "the picture comes back");
+}
+
+/// No error reaches the device's handler of uncaptured errors, which would panic.
+#[test]
+fn reading_from_a_lost_device_is_an_error() {
+    let context = own_context(RequestedFeatures {
+        timestamps: true,
+        ..Default::default()
+    });
+    let mut stage = box_on_plane(&context);
+    stage.world.insert_resource(ViewportSize(UVec2::new(80, 45)));
+    stage.render().expect("the frame renders");
+    let timings = stage.world.resource::<Renderer>().timings();
+    assert!(timings.is_active(), "the device has timers");
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let texture = create_target(&context, "picture", UVec2::splat(4), format).expect("a texture");
+    let buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 16,
+        usage: wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    // Nobody has told this context of the loss.
+    let unaware = RenderContext::hosted(context.device.clone(), context.queue.clone(), "host".to_owned());
+
+    context.device.destroy();
+    let read = |context: &RenderContext| {
+        [
+            read_texture(context, &texture, wgpu::TextureAspect::All, "picture").map(|_| ()),
+            read_buffer(context, &buffer, 16, "numbers").map(|_| ()),
+            timings.read(context).map(|_| ()),
+        ]
+    };
+    for result in read(&unaware) {
+        assert!(matches!(result, Err(RenderError::Readback { .. })), "{result:?}");
+    }
+    for result in read(&context) {
+        assert!(matches!(result, Err(RenderError::DeviceLost)), "{result:?}");
+    }
 }

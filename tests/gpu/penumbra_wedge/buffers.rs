@@ -1,16 +1,17 @@
 //! Forms of the visibility buffer, ways to cull and to compute agree with one another.
 
 use antumbra::prelude::*;
+use antumbra::render::RenderError;
 use antumbra::techniques::PenumbraWedges;
 use antumbra::techniques::penumbra_wedge::{
     CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling, WedgeOverflow,
 };
 use bevy_transform::prelude::Transform;
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 
 use super::scenes::{EYE, Lit, crowd, ground, largest_difference, light, lit, rect, spawn, sphere, with};
-use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
+use crate::harness::{own_context, strict_context};
 
 #[test]
 fn buffers_and_cullings_agree() {
@@ -120,14 +121,85 @@ fn overflow_of_bytes_is_reported() {
     assert_eq!(frames(&mut stage), 0, "floats do not overflow");
 }
 
+/// Sixty boxes above one another, whose edges overflow bytes.
+fn overflowing(context: &RenderContext) -> Stage {
+    let mut stage = ground(context, EYE, Vec3::ZERO);
+    stage.world.insert_resource(ViewportSize(SMALL));
+    let wedge = PenumbraWedge {
+        buffer: VisibilityBuffer::Split8,
+        ..Default::default()
+    };
+    light(&mut stage, &lit(rect(0.5, 0.5), wedge));
+    for i in 0..60 {
+        let place = Transform::from_xyz(0.0, 1.0 + 0.02 * i as f32, 0.0);
+        spawn(&mut stage, MeshData::cuboid(Vec3::new(0.5, 0.005, 0.5)), place);
+    }
+    stage
+}
+
+const SMALL: UVec2 = UVec2::new(80, 45);
+
+fn record(stage: &Stage) -> wgpu::CommandEncoder {
+    let renderer = stage.world.resource::<Renderer>();
+    let device = &renderer.context().device;
+    let mut encoder = device.create_command_encoder(&Default::default());
+    renderer.record(&mut encoder, &Default::default());
+    encoder
+}
+
+#[test]
+fn overflow_is_reported_of_frames_that_are_submitted_after_the_next_is_prepared() {
+    let context = strict_context();
+    let mut stage = overflowing(&context);
+    stage.run();
+    drop(record(&stage)); // a frame that is never submitted does not end the report
+    let mut waiting: Option<wgpu::CommandEncoder> = None;
+    for _ in 0..5 {
+        stage.run();
+        if let Some(earlier) = waiting.take() {
+            context.queue.submit([earlier.finish()]);
+            let waited = context.device.poll(wgpu::PollType::wait_indefinitely());
+            waited.expect("the frame ends");
+        }
+        waiting = Some(record(&stage));
+    }
+    assert!(stage.world.resource::<WedgeOverflow>().pixels() > 0);
+}
+
+/// The loss comes while a copy of the count is on its way, or has just been read.
+#[test]
+fn a_host_that_tells_late_of_a_loss_has_frames_that_draw_nothing() {
+    for frames in [2, 3] {
+        let own = own_context(RequestedFeatures::default());
+        let mut context = RenderContext::hosted(own.device.clone(), own.queue.clone(), "host".to_owned());
+        context.anisotropy = 1;
+        let mut stage = overflowing(&context);
+        let frame = |stage: &mut Stage| {
+            stage.run();
+            context.queue.submit([record(stage).finish()]);
+            // On a lost device, waiting may be refused.
+            let _ = context.device.poll(wgpu::PollType::wait_indefinitely());
+        };
+        for _ in 0..frames {
+            frame(&mut stage);
+        }
+        context.device.destroy();
+        for _ in 0..4 {
+            frame(&mut stage);
+        }
+        context.set_lost();
+        stage.run();
+        let failure = stage.world.resource_mut::<Renderer>().take_failure();
+        assert!(matches!(failure, Some(RenderError::DeviceLost)), "{failure:?}");
+    }
+}
+
 #[test]
 fn counting_towards_the_viewer_and_away_agree() {
     let context = strict_context();
     for kind in [rect(0.9, 0.9), rect(2.4, 0.3), sphere(0.4)] {
         let mut stage = ground(&context, EYE, Vec3::ZERO);
-        stage
-            .world
-            .insert_resource(ViewportSize(glam::UVec2::new(320, 180)));
+        stage.world.insert_resource(ViewportSize(UVec2::new(320, 180)));
         for i in 0..7 {
             let x = 0.22 * (i as f32 - 3.0);
             for at in [Vec3::new(x, 0.75, 0.0), Vec3::new(x + 0.08, 0.75, -0.5)] {

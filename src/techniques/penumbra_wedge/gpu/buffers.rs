@@ -1,7 +1,6 @@
 //! The textures in which visibility is summed, and the report of overflow.
 
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::UVec2;
 
@@ -161,20 +160,56 @@ impl SumTextures {
 pub struct OverflowReport {
     counter: wgpu::Buffer,
     staging: wgpu::Buffer,
-    state: Mutex<State>,
-    mapped: Arc<AtomicU32>,
+    state: SharedState,
 }
 
+/// What becomes of a copy of the count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
+    /// There is no copy.
     Idle,
+    /// The copy is recorded, and perhaps submitted. Its buffer may not be mapped before it is done, because a
+    /// mapped buffer cannot be submitted.
+    Recorded,
+    /// The GPU has copied.
     Copied,
     Mapping,
+    Mapped,
+    /// The buffer cannot be mapped, because the device is lost. Nothing is counted any more.
+    Lost,
 }
 
-const WAITING: u32 = 0;
-const READY: u32 = 1;
-const FAILED: u32 = 2;
+/// The state that is shared with the callbacks of wgpu.
+#[derive(Clone, Debug)]
+struct SharedState(Arc<Mutex<State>>);
+
+impl SharedState {
+    fn get(&self) -> State {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn set(&self, state: State) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = state;
+    }
+}
+
+/// A copy that is recorded. Dropping it allows another copy, as with an encoder that is never submitted.
+struct RecordedCopy {
+    state: SharedState,
+    then: State,
+}
+
+impl RecordedCopy {
+    fn finish(mut self) {
+        self.then = State::Copied;
+    }
+}
+
+impl Drop for RecordedCopy {
+    fn drop(&mut self) {
+        self.state.set(self.then);
+    }
+}
 
 impl OverflowReport {
     fn new(context: &RenderContext) -> Self {
@@ -193,57 +228,50 @@ impl OverflowReport {
                 Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST,
             ),
             staging: buffer("overflowing pixels, read", Usage::MAP_READ | Usage::COPY_DST),
-            state: Mutex::new(State::Idle),
-            mapped: Arc::new(AtomicU32::new(WAITING)),
+            state: SharedState(Arc::new(Mutex::new(State::Idle))),
         }
-    }
-
-    fn state(&self) -> std::sync::MutexGuard<'_, State> {
-        self.state
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// Records the copy of the frame's count, if the last copy was read, and restarts the count.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut state = self.state();
-        if *state == State::Idle {
+        if self.state.get() == State::Idle {
             encoder.copy_buffer_to_buffer(&self.counter, 0, &self.staging, 0, 4);
             encoder.clear_buffer(&self.counter, 0, None);
-            *state = State::Copied;
+            self.state.set(State::Recorded);
+            // wgpu drops this closure without calling it if the encoder is never submitted.
+            let copy = RecordedCopy {
+                state: self.state.clone(),
+                then: State::Idle,
+            };
+            encoder.on_submitted_work_done(move || copy.finish());
         }
     }
 
     /// Returns the count of an earlier frame when it has arrived. Call it once a frame, before the frame is
     /// recorded.
-    pub fn take(&self) -> Option<u32> {
-        let mut state = self.state();
-        match *state {
-            State::Idle => None,
-            State::Copied => {
-                let mapped = self.mapped.clone();
-                mapped.store(WAITING, Ordering::Release);
-                self.staging
-                    .slice(..)
-                    .map_async(wgpu::MapMode::Read, move |result| {
-                        mapped.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
+    pub fn take(&self, context: &RenderContext) -> Option<u32> {
+        if self.state.get() == State::Copied {
+            self.state.set(State::Mapping);
+            let state = self.state.clone();
+            self.staging
+                .slice(..)
+                .map_async(wgpu::MapMode::Read, move |result| {
+                    state.set(if result.is_ok() {
+                        State::Mapped
+                    } else {
+                        State::Lost
                     });
-                *state = State::Mapping;
-                None
-            }
-            State::Mapping => match self.mapped.load(Ordering::Acquire) {
-                READY => {
-                    let count = bytemuck::pod_read_unaligned(&self.staging.slice(..).get_mapped_range());
-                    self.staging.unmap();
-                    *state = State::Idle;
-                    Some(count)
-                }
-                FAILED => {
-                    *state = State::Idle;
-                    None
-                }
-                _ => None,
-            },
+                });
+            // Since the copy is done, this maps the buffer at once (in browsers, later). No loss of the device
+            // comes between the mapping and the read, which would panic.
+            let _ = context.device.poll(wgpu::PollType::Poll);
         }
+        if self.state.get() != State::Mapped {
+            return None;
+        }
+        let count = bytemuck::pod_read_unaligned(&self.staging.slice(..).get_mapped_range());
+        self.staging.unmap();
+        self.state.set(State::Idle);
+        Some(count)
     }
 }

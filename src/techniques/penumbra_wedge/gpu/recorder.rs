@@ -26,7 +26,7 @@ use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::gpu::strided::StridedUniforms;
 use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
-use crate::render::{Gpu, RenderError};
+use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::View;
 use crate::techniques::penumbra_wedge::component::MOST_IN_STEPS;
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
@@ -161,12 +161,12 @@ impl PenumbraWedgeNode {
 
     /// Reports whether the device reduces sums, and the overflow that has arrived. Nothing can overflow once no light has sums in bytes, so counts that are
     /// still on their way are dropped then.
-    fn report_overflow(&mut self, world: &World, lights: &[LightWedges]) {
+    fn report_overflow(&mut self, world: &World, context: &RenderContext, lights: &[LightWedges]) {
         if let Some(reduced) = world.get_resource::<ReducedSums>() {
             reduced.set(!self.blends_floats);
         }
         let splits = lights.iter().any(|light| self.form(light) == Form::Split8);
-        let arrived = self.textures.overflow().take();
+        let arrived = self.textures.overflow().take(context);
         let count = if splits { arrived } else { self.splits.then_some(0) };
         self.splits = splits;
         if let (Some(count), Some(report)) = (count, world.get_resource::<WedgeOverflow>()) {
@@ -219,7 +219,7 @@ impl Recorder for PenumbraWedgeNode {
         ) else {
             return Ok(());
         };
-        self.report_overflow(world, &wedges.lights);
+        self.report_overflow(world, input.context, &wedges.lights);
         if wedges.lights.is_empty() {
             return Ok(());
         }
