@@ -126,7 +126,7 @@ fn mirrors() -> Vec<Mirror> {
         mirror!(occlusion_textures, OcclusionLight { faces, kernel, point_relative, half_right, half_up, limits }
             in "techniques/occlusion_texture/resolve.wgsl", array: false),
         mirror!(Grounds { planes, along, across, middle } in "techniques/perspective_map/blur.wgsl", array: false),
-        mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
+        mirror!(MapCaster { clip_from_centered, center_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
             light_local,
             object,

@@ -5,7 +5,8 @@
 #import antumbra::surface::{Fragment, base_color, material}
 
 struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
-    clip_from_local: mat4x4f,
+    clip_from_centered: mat4x4f,
+    center_local: vec4f,
 }
 
 @group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
@@ -20,9 +21,14 @@ const BEYOND_PARALLEL: f32 = 1e-6;
 
 override PARALLEL: bool = false;
 
+// Coordinates of a mesh far from its own origin would cancel in the product, so they are taken from its centre first.
+fn clip_position(position_local: vec3f, caster: u32) -> vec4f {
+    return casters[caster].clip_from_centered * vec4f(position_local - casters[caster].center_local.xyz, 1.0);
+}
+
 @vertex
 fn solid(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> @builtin(position) @invariant vec4f {
-    return casters[caster].clip_from_local * vec4f(position_local, 1.0);
+    return clip_position(position_local, caster);
 }
 
 struct Masked {
@@ -38,7 +44,7 @@ fn masked_vertex(
     @location(4) color: vec4f,
     @builtin(instance_index) caster: u32,
 ) -> Masked {
-    return Masked(casters[caster].clip_from_local * vec4f(position_local, 1.0), uv, color);
+    return Masked(clip_position(position_local, caster), uv, color);
 }
 
 fn is_hole(in: Masked) -> bool {

@@ -8,7 +8,8 @@
 #import antumbra::occlusion_kernel::OcclusionFace
 
 struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
-    clip_from_local: mat4x4f,
+    clip_from_centered: mat4x4f,
+    center_local: vec4f,
 }
 
 @group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
@@ -43,9 +44,14 @@ fn flattened(place: vec4f) -> vec4f {
     return vec4f(place.xy, 0.5 * place.w, place.w);
 }
 
+// Coordinates of a mesh far from its own origin would cancel in the product, so they are taken from its centre first.
+fn clip_position(position_local: vec3f, caster: u32) -> vec4f {
+    return casters[caster].clip_from_centered * vec4f(position_local - casters[caster].center_local.xyz, 1.0);
+}
+
 @vertex
 fn solid_vertex(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> Solid {
-    let place = casters[caster].clip_from_local * vec4f(position_local, 1.0);
+    let place = clip_position(position_local, caster);
     return Solid(flattened(place), place.z);
 }
 
@@ -56,7 +62,7 @@ fn masked_vertex(
     @location(4) color: vec4f,
     @builtin(instance_index) caster: u32,
 ) -> Masked {
-    let place = casters[caster].clip_from_local * vec4f(position_local, 1.0);
+    let place = clip_position(position_local, caster);
     return Masked(flattened(place), place.z, uv, color);
 }
 

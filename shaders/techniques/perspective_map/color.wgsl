@@ -6,7 +6,8 @@
 #import antumbra::surface::{Fragment, base_color, material}
 
 struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
-    clip_from_local: mat4x4f,
+    clip_from_centered: mat4x4f,
+    center_local: vec4f,
 }
 
 @group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
@@ -17,9 +18,14 @@ struct Solid {
     @location(0) @interpolate(flat) channel: u32,
 }
 
+// Coordinates of a mesh far from its own origin would cancel in the product, so they are taken from its centre first.
+fn clip_position(position_local: vec3f, caster: u32) -> vec4f {
+    return casters[caster].clip_from_centered * vec4f(position_local - casters[caster].center_local.xyz, 1.0);
+}
+
 @vertex
 fn solid_vertex(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> Solid {
-    return Solid(casters[caster].clip_from_local * vec4f(position_local, 1.0), channels[caster]);
+    return Solid(clip_position(position_local, caster), channels[caster]);
 }
 
 // Channels from 4 on are those of casters that are no ground.
@@ -46,7 +52,7 @@ fn masked_vertex(
     @location(4) color: vec4f,
     @builtin(instance_index) caster: u32,
 ) -> Masked {
-    let clip = casters[caster].clip_from_local * vec4f(position_local, 1.0);
+    let clip = clip_position(position_local, caster);
     return Masked(clip, uv, color, channels[caster]);
 }
 

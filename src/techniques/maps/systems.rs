@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 
 use super::ask_for_maps::ask_for_maps;
 use super::build_maps::{Maps, build_maps};
-use super::request::{MapRequests, MapSystems};
-use super::settings::{MapError, MapSettings};
+use super::request::{MapRequests, MapShape, MapSystems};
+use super::settings::{MapError, MapResolution, MapSettings};
 use crate::reports::Round;
 use crate::sets::FrameLights;
 use crate::techniques::registry::{Statistics, TechniqueSystems};
@@ -66,6 +66,25 @@ pub fn frame_statistics(world: &World, out: &mut Statistics) {
     out.set("map_reports", reports.collect::<Vec<String>>());
 }
 
+/// Returns advice on how a light's map gets finer.
+fn finer(maps: &Maps, light: Entity) -> &'static str {
+    let map = maps.lights.iter().find(|map| map.entity == light);
+    match map.map(|map| (map.request.shape, map.request.resolution)) {
+        Some((MapShape::Cascades, MapResolution::Fixed(_))) => {
+            "Give its cascades a shorter `distance`, or raise `resolution`."
+        }
+        Some((MapShape::Cascades, _)) => {
+            "Give its cascades a shorter `distance`, or raise `most` of the resolution."
+        }
+        Some((MapShape::Spot, _)) => {
+            "Narrow the light's cone, move it closer to what it shadows, or raise `most` of the resolution."
+        }
+        _ => {
+            "Move the light closer to what it shadows, raise `most` of the resolution, or use a `PerspectiveMap`."
+        }
+    }
+}
+
 /// Raises reports about maps that are poorer than asked for, for the lights that the technique `T` shadows.
 pub fn report<T: 'static>(world: &World, round: &mut Round) {
     let lights = world.resource::<FrameLights>();
@@ -79,10 +98,7 @@ pub fn report<T: 'static>(world: &World, round: &mut Round) {
                 8,
                 "Ask for less, or raise `MapSettings::largest` if the device allows.",
             ),
-            MapError::Coarse { .. } => (
-                9,
-                "Give the light a shorter range, or its cascades a shorter `distance`; or raise `most` of the resolution.",
-            ),
+            MapError::Coarse { .. } => (9, finer(world.resource::<Maps>(), report.entity)),
             MapError::Steps { .. } => (10, "Give the light a shorter range, or choose another `format`."),
         };
         round.state(

@@ -74,6 +74,21 @@ impl Coarse {
     }
 }
 
+/// A length for people, with two significant digits or more.
+pub(super) struct Metres(pub f64);
+
+impl std::fmt::Display for Metres {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let magnitude = self.0.abs().log10().floor();
+        let decimals = if magnitude.is_finite() {
+            (1.0 - magnitude).clamp(0.0, 12.0)
+        } else {
+            0.0
+        };
+        write!(f, "{:.*} m", decimals as usize, self.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::fit::{SliceSettings, fit_faces};
@@ -112,5 +127,11 @@ mod tests {
         );
         let ground = Aabb::around(Vec3::ZERO, Vec3::new(3e5, 0.0, 3e5));
         assert_eq!(of(SceneBox::of_bounds(ground, false)), None);
+    }
+
+    #[test]
+    fn lengths_have_two_significant_digits() {
+        let texts = [123.4, 12.34, 1.234, 0.1234, 0.001_234, 0.0].map(|length| Metres(length).to_string());
+        assert_eq!(texts, ["123 m", "12 m", "1.2 m", "0.12 m", "0.0012 m", "0 m"]);
     }
 }

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use super::build::{OcclusionTextures, ask_for_slices, build_slices};
+use super::coarse::Metres;
 use super::component::OcclusionTexture;
 use super::debug_lines;
 use super::face::Slices;
@@ -81,9 +82,9 @@ impl Technique for OcclusionTexture {
                     Some(slices.entity),
                     2,
                     format_args!(
-                        "The light's shadows are coarse: its slices are {:.1} m thick and its texels up to {:.2} m wide, too \
-                         much for {} of {} casters. Give the light a range, or let large surroundings cast no shadows.",
-                        coarse.thickness, coarse.texel, coarse.lost, coarse.casters
+                        "The light's shadows are coarse: its slices are {} thick and its texels up to {} wide, too much for \
+                         {} of {} casters. Give the light a range, or let large surroundings cast no shadows.",
+                        Metres(coarse.thickness), Metres(coarse.texel), coarse.lost, coarse.casters
                     ),
                 );
             }

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use bevy_ecs::prelude::World;
+use bevy_ecs::prelude::{Entity, World};
 use fixedbitset::FixedBitSet;
-use glam::DMat4;
+use glam::{DMat4, Vec3};
 
 use super::gpu_types::MapCaster;
 use crate::render::pools::materials::MaterialPool;
@@ -12,7 +12,7 @@ use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::NO_MESH;
 use crate::render::recorder::PrepareInput;
 use crate::scene::placement::world_from_local;
-use crate::scene::{AlphaMode, LeftOutSubmeshes, SceneMaterials};
+use crate::scene::{AlphaMode, LeftOutSubmeshes, LocalBounds, SceneMaterials};
 use crate::sets::Objects;
 use crate::techniques::maps::face::MapFace;
 
@@ -50,6 +50,21 @@ pub struct MapDraws {
     parts: Vec<Part>,
 }
 
+/// A mesh whose centre is farther from its local origin than this many times its half size is taken from its centre. Nearer
+/// meshes keep their coordinates, which loses at most this many times the rounding of the others.
+const FAR: f32 = 16.0;
+
+/// Returns the point of an object's local space from which its positions are taken: the local origin, or its centre far from that.
+fn center_of(world: &World, entity: Entity) -> Vec3 {
+    let bounds = world.get::<LocalBounds>(entity).map(|bounds| bounds.0);
+    let is_far = |center: &Vec3, half: Vec3| center.abs().max_element() > FAR * half.max_element();
+    bounds
+        .filter(|bounds| !bounds.is_empty())
+        .map(|bounds| (bounds.center(), bounds.half_size()))
+        .filter(|(center, half)| center.is_finite() && is_far(center, *half))
+        .map_or(Vec3::ZERO, |(center, _)| center)
+}
+
 impl MapDraws {
     /// Removes the draws of the last frame.
     pub fn clear(&mut self) {
@@ -80,8 +95,13 @@ impl MapDraws {
             let at = self.casters.len() as u32;
             self.objects.resize(self.casters.len(), u32::MAX);
             self.objects.push(part.object);
+            let center = center_of(world, entity);
+            let world_from_centered = world_from_local * DMat4::from_translation(center.as_dvec3());
             self.casters.push(MapCaster {
-                clip_from_local: (clip_from_world * world_from_local).as_mat4().to_cols_array_2d(),
+                clip_from_centered: (clip_from_world * world_from_centered)
+                    .as_mat4()
+                    .to_cols_array_2d(),
+                center_local: center.extend(0.0).to_array(),
             });
             if let Some(last) = self.draws[first..].last_mut()
                 && (last.material, last.mesh, last.submesh) == (part.material, part.mesh, part.submesh)

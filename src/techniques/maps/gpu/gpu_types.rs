@@ -46,6 +46,8 @@ pub struct MapLight {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MapCaster {
-    /// Columns of the map from the caster's local space to the face's clip space, computed in f64.
-    pub clip_from_local: [[f32; 4]; 4],
+    /// Columns of the map from positions relative to `center_local` to the face's clip space, computed in f64.
+    pub clip_from_centered: [[f32; 4]; 4],
+    /// The point of the caster's local space from which positions are taken; w is unused.
+    pub center_local: [f32; 4],
 }

@@ -160,7 +160,8 @@ impl MapNode {
                 DMat4::from_translation(DVec3::Z * far) * DMat4::from_scale(DVec3::new(1.0, 1.0, length));
             let clip = view.clip_from_world * state.face.clip_from_world().inverse() * cut;
             self.draws.casters.push(MapCaster {
-                clip_from_local: clip.as_mat4().to_cols_array_2d(),
+                clip_from_centered: clip.as_mat4().to_cols_array_2d(),
+                center_local: [0.0; 4],
             });
         }
         Ok(first..self.draws.casters.len() as u32)
