@@ -183,28 +183,38 @@ fn lights_with_models_allocate_nothing_after_warm_up() {
     assert!(lights.iter().all(|light| light.textures.cookie.is_some()));
 }
 
-#[test]
-fn perspective_maps_and_smoothies_allocate_nothing_after_warm_up() {
+fn place(x: f32, y: f32, z: f32) -> GlobalTransform {
+    GlobalTransform::from_translation(Vec3::new(x, y, z))
+}
+
+/// A world with a camera, and the systems of a frame without threads.
+fn viewed() -> (World, Schedule, Entity) {
     let mut world = World::new();
     init_resources(&mut world);
     let mut frame = Schedule::default();
     frame.set_executor(SingleThreadedExecutor::new());
     add_systems(&mut frame);
     world.resource_mut::<ViewportSize>().0 = VIEWPORT;
-    let place = |x: f32, y: f32, z: f32| GlobalTransform::from_translation(Vec3::new(x, y, z));
     let camera = world.spawn((Camera::default(), place(0.0, 2.0, 8.0))).id();
-    let mut add = |mesh: MeshData, at: GlobalTransform| {
-        world.spawn((
-            SceneMesh(Arc::new(mesh)),
-            SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
-            (ShadowCaster, ShadowReceiver),
-            at,
-        ));
-    };
-    add(MeshData::plane(30.0), place(0.0, 0.0, 0.0));
+    (world, frame, camera)
+}
+
+fn add_mesh(world: &mut World, mesh: MeshData, at: GlobalTransform) {
+    world.spawn((
+        SceneMesh(Arc::new(mesh)),
+        SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
+        (ShadowCaster, ShadowReceiver),
+        at,
+    ));
+}
+
+#[test]
+fn perspective_maps_and_smoothies_allocate_nothing_after_warm_up() {
+    let (mut world, mut frame, camera) = viewed();
+    add_mesh(&mut world, MeshData::plane(30.0), place(0.0, 0.0, 0.0));
     for i in 0..12 {
         let at = place(i as f32 - 6.0, 0.6, -(i as f32) * 2.0);
-        add(MeshData::cuboid(Vec3::splat(0.4)), at);
+        add_mesh(&mut world, MeshData::cuboid(Vec3::splat(0.4)), at);
     }
     let sun = GlobalTransform::from_rotation(glam::Quat::from_rotation_x(-0.8));
     for (light, at) in [
@@ -236,14 +246,7 @@ fn perspective_maps_and_smoothies_allocate_nothing_after_warm_up() {
 /// A plane in the maps of a sun, a box that is not in them, and a second technique that shadows by it.
 #[test]
 fn lights_with_two_techniques_allocate_nothing_after_warm_up() {
-    let mut world = World::new();
-    init_resources(&mut world);
-    let mut frame = Schedule::default();
-    frame.set_executor(SingleThreadedExecutor::new());
-    add_systems(&mut frame);
-    world.resource_mut::<ViewportSize>().0 = VIEWPORT;
-    let place = |x: f32, y: f32, z: f32| GlobalTransform::from_translation(Vec3::new(x, y, z));
-    let camera = world.spawn((Camera::default(), place(0.0, 2.0, 8.0))).id();
+    let (mut world, mut frame, camera) = viewed();
     let plane = MeshData::plane(30.0);
     let path = LightPath::Arc {
         direction: Vec3::new(-1.0, -1.0, -0.5),
@@ -270,17 +273,9 @@ fn lights_with_two_techniques_allocate_nothing_after_warm_up() {
     world
         .resource_mut::<IntervalLibrary>()
         .insert("plane", Arc::new(maps));
-    for (mesh, at) in [
-        (plane, place(0.0, 0.0, 0.0)),
-        (MeshData::cuboid(Vec3::splat(0.4)), place(0.0, 1.0, 0.0)),
-    ] {
-        world.spawn((
-            SceneMesh(Arc::new(mesh)),
-            SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
-            (ShadowCaster, ShadowReceiver),
-            at,
-        ));
-    }
+    add_mesh(&mut world, plane, place(0.0, 0.0, 0.0));
+    let cuboid = MeshData::cuboid(Vec3::splat(0.4));
+    add_mesh(&mut world, cuboid, place(0.0, 1.0, 0.0));
     let sun = GlobalTransform::from_rotation(glam::Quat::from_rotation_x(-0.8));
     let settings = OcclusionInterval {
         maps: "plane".to_owned(),
@@ -315,14 +310,7 @@ fn lights_with_two_techniques_allocate_nothing_after_warm_up() {
 /// A ball that reaches into a shade of many triangles and into the plane above it.
 #[test]
 fn lights_that_surfaces_cut_allocate_nothing_after_warm_up() {
-    let mut world = World::new();
-    init_resources(&mut world);
-    let mut frame = Schedule::default();
-    frame.set_executor(SingleThreadedExecutor::new());
-    add_systems(&mut frame);
-    world.resource_mut::<ViewportSize>().0 = VIEWPORT;
-    let place = |x: f32, y: f32, z: f32| GlobalTransform::from_translation(Vec3::new(x, y, z));
-    let camera = world.spawn((Camera::default(), place(0.0, 2.0, 8.0))).id();
+    let (mut world, mut frame, camera) = viewed();
     for (mesh, at) in [
         (MeshData::plane(30.0), place(0.0, 0.0, 0.0)),
         (MeshData::plane(3.0), place(0.0, 2.1, 0.0)),

@@ -228,7 +228,7 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
         "light_batches": active.map_or(0, |active| active.batches.len()),
     });
     let mut stats = with_statistics(stats, &of_techniques);
-    // What the second technique of a light shadows.
+    // The statistics of the light's second technique, for each part of the receivers.
     for (companion, light) in frame.companions_of(light.entity) {
         if let Some(of) = light.companion_of {
             stats["moving"][of.part.name()] = light_stats(world, renderer, companion);

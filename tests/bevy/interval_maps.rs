@@ -18,6 +18,21 @@ fn darker(picture: &Picture, other: &Picture) -> usize {
         .count()
 }
 
+/// Spawns a sun that follows an arc. Returns it and its path.
+fn sun_on_a_path(world: &mut World) -> (Entity, LightPath) {
+    let path = LightPath::Arc {
+        direction: Vec3::new(-1.0, -0.7, -0.4),
+        axis: Vec3::Z,
+        degrees: 100.0,
+    };
+    let light = DirectionalLight {
+        illuminance: 3000.0,
+        ..default()
+    };
+    let light = world.spawn((light, path.clone(), Transform::default())).id();
+    (light, path)
+}
+
 #[test]
 fn a_game_bakes_its_scene_and_its_sun_follows_the_path() {
     let mut app = harness::antumbra();
@@ -30,16 +45,7 @@ fn a_game_bakes_its_scene_and_its_sun_follows_the_path() {
     );
     let place = Transform::from_xyz(0.0, 0.5, 0.0).with_rotation(Quat::from_rotation_y(0.4));
     add_mesh(world, Cuboid::new(0.8, 1.0, 0.8), place);
-    let path = LightPath::Arc {
-        direction: Vec3::new(-1.0, -0.7, -0.4),
-        axis: Vec3::Z,
-        degrees: 100.0,
-    };
-    let light = DirectionalLight {
-        illuminance: 3000.0,
-        ..default()
-    };
-    let light = world.spawn((light, path.clone(), Transform::default())).id();
+    let (light, path) = sun_on_a_path(world);
     let mut game = Game::start(app);
     game.run(2);
     let mut still = still_scene(game.world(), |_| false);
@@ -134,16 +140,7 @@ fn a_mesh_that_was_not_baked_casts_and_receives_by_the_lights_second_technique()
         Cuboid::new(0.8, 1.0, 0.8),
         Transform::from_xyz(-0.6, 0.5, 0.0),
     );
-    let path = LightPath::Arc {
-        direction: Vec3::new(-1.0, -0.7, -0.4),
-        axis: Vec3::Z,
-        degrees: 100.0,
-    };
-    let light = DirectionalLight {
-        illuminance: 3000.0,
-        ..default()
-    };
-    let light = world.spawn((light, path.clone(), Transform::default())).id();
+    let (light, path) = sun_on_a_path(world);
     let mut game = Game::start(app);
     game.run(2);
     let mut still = still_scene(game.world(), |_| false);

@@ -102,7 +102,7 @@ fn what_is_wrong_in_a_shot_file_is_named() {
     );
 }
 
-/// Of a light with baked shadows it shows what is not in the maps.
+/// It is the second technique of a light with baked shadows, and shadows by what is not in the maps.
 #[test]
 fn it_is_the_second_technique_of_a_light_with_baked_shadows() {
     let mut stage = with_boxes(0.4, 0.0);

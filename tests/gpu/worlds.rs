@@ -1,4 +1,4 @@
-//! A renderer that goes from one world to another draws there what a new one draws.
+//! Worlds that look alike: the one that a renderer comes from, and the one whose vertices are far from their meshes' origins.
 
 use std::sync::Arc;
 
@@ -91,5 +91,46 @@ fn a_renderer_that_changes_worlds_draws_what_a_new_one_draws() {
                 );
             }
         }
+    }
+}
+
+/// Moves the vertices of all meshes, and the meshes back.
+fn move_vertices(stage: &mut Stage, by: Vec3) {
+    let mut meshes = stage.world.query::<(&mut SceneMesh, &mut Transform)>();
+    for (mut mesh, mut transform) in meshes.iter_mut(&mut stage.world) {
+        let mut data = (*mesh.0).clone();
+        for position in &mut data.positions {
+            *position += by;
+        }
+        mesh.0 = Arc::new(data);
+        transform.translation -= by;
+    }
+}
+
+/// The same triangles to the last bit: what is rounded far away is moved back.
+#[test]
+fn meshes_far_from_their_own_origin_look_like_near_ones() {
+    let far = Vec3::new(0.0, 50_000.0, 0.0);
+    let visibility = |moves: &[Vec3]| {
+        let mut stage = stage(3);
+        for by in moves {
+            move_vertices(&mut stage, *by);
+        }
+        add_renderer(&mut stage);
+        stage.render().expect("the frame renders").visibility
+    };
+    let [near, moved] = [visibility(&[far, -far]), visibility(&[far])];
+    for (light, (near, moved)) in near.iter().zip(&moved).enumerate() {
+        let wrong = near
+            .iter()
+            .zip(moved)
+            .filter(|(a, b)| (*a - *b).abs() > 0.1)
+            .count();
+        let dark = near.iter().filter(|&&v| v < 0.5).count();
+        println!("light {light}: {wrong} pixels differ, {dark} are dark");
+        assert!(
+            dark > 20 && wrong <= near.len() / 200,
+            "light {light}: {wrong} of {dark}"
+        );
     }
 }

@@ -2,14 +2,9 @@
 // Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  0 casters, 1 first surface (`peel` alone), 2 material (`masked` alone)
 // Spaces  in: local; out: clip of the face, reversed depth
+#import antumbra::map_caster::clip_position
 #import antumbra::surface::{Fragment, base_color, material}
 
-struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
-    clip_from_centered: mat4x4f,
-    center_local: vec4f,
-}
-
-@group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
 @group(1) @binding(0) var first_depth: texture_depth_2d;
 
 // Share by which a surface must be beyond the first to count as another. Both passes round alike, but not at
@@ -20,11 +15,6 @@ const BEYOND: f32 = 1e-5;
 const BEYOND_PARALLEL: f32 = 1e-6;
 
 override PARALLEL: bool = false;
-
-// Coordinates of a mesh far from its own origin would cancel in the product, so they are taken from its centre first.
-fn clip_position(position_local: vec3f, caster: u32) -> vec4f {
-    return casters[caster].clip_from_centered * vec4f(position_local - casters[caster].center_local.xyz, 1.0);
-}
 
 @vertex
 fn solid(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> @builtin(position) @invariant vec4f {

@@ -1,12 +1,7 @@
 // Edges of the volumes that a map's faces show, drawn over the picture: the debug view.
 // Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  0 casters: for each face, the matrix to the view's clip space from the cube [−1, 1]² × [0, 1]
-struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
-    clip_from_centered: mat4x4f,
-    center_local: vec4f,
-}
-
-@group(0) @binding(0) var<storage, read> frusta: array<MapCaster>;
+#import antumbra::map_caster::clip_position
 
 struct End {
     @builtin(position) position_clip: vec4f,
@@ -27,7 +22,7 @@ fn edge(@builtin(vertex_index) vertex: u32, @builtin(instance_index) face: u32) 
     let z = f32(corner >> 2u);
     let hue = f32(face % 6u) / 6.0;
     let color = clamp(abs(fract(vec3f(hue, hue + 0.667, hue + 0.333)) * 6.0 - 3.0) - 1.0, vec3f(0.0), vec3f(1.0));
-    return End(frusta[face].clip_from_centered * vec4f(x, y, z, 1.0), color);
+    return End(clip_position(vec3f(x, y, z), face), color);
 }
 
 @fragment

@@ -4,15 +4,10 @@
 // Groups  0 casters, 1 face, 2 material (`masked` alone)
 // Spaces  in: local; out: clip of the picture, whose third coordinate is depth in light space before it leaves the vertex
 //         stage
+#import antumbra::map_caster::clip_position
 #import antumbra::surface::{Fragment, base_color, material}
 #import antumbra::occlusion_kernel::OcclusionFace
 
-struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
-    clip_from_centered: mat4x4f,
-    center_local: vec4f,
-}
-
-@group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
 @group(1) @binding(0) var<uniform> face: OcclusionFace;
 
 // Whether casters fill the next slice too.
@@ -42,11 +37,6 @@ struct Slices {
 // Nothing is clipped by depth.
 fn flattened(place: vec4f) -> vec4f {
     return vec4f(place.xy, 0.5 * place.w, place.w);
-}
-
-// Coordinates of a mesh far from its own origin would cancel in the product, so they are taken from its centre first.
-fn clip_position(position_local: vec3f, caster: u32) -> vec4f {
-    return casters[caster].clip_from_centered * vec4f(position_local - casters[caster].center_local.xyz, 1.0);
 }
 
 @vertex

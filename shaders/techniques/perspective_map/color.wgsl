@@ -3,24 +3,14 @@
 // Groups  0 casters, 1 channels, 2 material (`masked` alone)
 // Spaces  in: local; out: clip of the face, reversed depth. The depth test is "equal" for what cast.
 // Source: Kozlov 2004, GPU Gems ch. 14, §14.3.2.
+#import antumbra::map_caster::clip_position
 #import antumbra::surface::{Fragment, base_color, material}
 
-struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
-    clip_from_centered: mat4x4f,
-    center_local: vec4f,
-}
-
-@group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
 @group(1) @binding(0) var<storage, read> channels: array<u32>;
 
 struct Solid {
     @builtin(position) @invariant position_clip: vec4f,
     @location(0) @interpolate(flat) channel: u32,
-}
-
-// Coordinates of a mesh far from its own origin would cancel in the product, so they are taken from its centre first.
-fn clip_position(position_local: vec3f, caster: u32) -> vec4f {
-    return casters[caster].clip_from_centered * vec4f(position_local - casters[caster].center_local.xyz, 1.0);
 }
 
 @vertex

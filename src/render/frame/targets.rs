@@ -207,6 +207,20 @@ pub struct FactorTarget {
     pub group: wgpu::BindGroup,
 }
 
+/// Makes a mask, its view, and the bind group of passes that read it.
+fn mask(
+    context: &RenderContext,
+    layouts: &BindGroupLayouts,
+    label: &'static str,
+    size: UVec2,
+) -> Result<(wgpu::Texture, wgpu::TextureView, wgpu::BindGroup), RenderError> {
+    let mask = create_target(context, label, size, MASK_FORMAT)?;
+    let view = mask.create_view(&Default::default());
+    let resource = [wgpu::BindingResource::TextureView(&view)];
+    let group = bind_in_order(&context.device, label, &layouts.mask, resource);
+    Ok((mask, view, group))
+}
+
 impl MaskTargets {
     /// Returns the mask as a colour attachment.
     pub fn attachment(&self, load: wgpu::LoadOp<wgpu::Color>) -> wgpu::RenderPassColorAttachment<'_> {
@@ -232,8 +246,7 @@ impl MaskTargets {
     ) -> Result<Self, RenderError> {
         let receiver_depth = create_target(context, "receiver depth", targets.size, DEPTH_COPY_FORMAT)?;
         let receiver_plane = create_target(context, "receiver plane", targets.size, RECEIVER_PLANE_FORMAT)?;
-        let mask = create_target(context, "visibility mask", targets.size, MASK_FORMAT)?;
-        let mask_view = mask.create_view(&Default::default());
+        let (mask, mask_view, mask_group) = mask(context, layouts, "visibility mask", targets.size)?;
         let receiver_depth_view = receiver_depth.create_view(&Default::default());
         let receiver_plane_view = receiver_plane.create_view(&Default::default());
         let receiver_group = bind_in_order(
@@ -247,12 +260,7 @@ impl MaskTargets {
         );
         Ok(Self {
             receiver_group,
-            mask_group: bind_in_order(
-                &context.device,
-                "mask",
-                &layouts.mask,
-                [wgpu::BindingResource::TextureView(&mask_view)],
-            ),
+            mask_group,
             receiver_depth,
             receiver_depth_view,
             receiver_plane,
@@ -296,14 +304,7 @@ impl MaskTargets {
     ) -> Result<(), RenderError> {
         if self.second.is_none() {
             let size = UVec2::new(self.mask.width(), self.mask.height());
-            let mask = create_target(context, "companion mask", size, MASK_FORMAT)?;
-            let mask_view = mask.create_view(&Default::default());
-            let mask_group = bind_in_order(
-                &context.device,
-                "companion mask",
-                &layouts.mask,
-                [wgpu::BindingResource::TextureView(&mask_view)],
-            );
+            let (mask, mask_view, mask_group) = mask(context, layouts, "companion mask", size)?;
             self.second = Some(Box::new(Self {
                 receiver_depth: self.receiver_depth.clone(),
                 receiver_depth_view: self.receiver_depth_view.clone(),

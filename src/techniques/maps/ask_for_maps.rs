@@ -4,8 +4,9 @@ use bevy_ecs::prelude::*;
 
 use super::build_maps::Maps;
 use super::light_map::{LightMap, asker};
+use super::map_error::{MapError, MapReport};
 use super::request::MapRequests;
-use super::settings::{MapError, MapReport, MapResolution, MapSettings};
+use super::settings::{MapResolution, MapSettings};
 use crate::scene::SceneMaterials;
 use crate::sets::{FrameLights, Objects, View, ViewData};
 use crate::techniques::shared::exchanged::Exchanged;

@@ -13,12 +13,13 @@ use super::face_state::{FaceState, Stale};
 use super::format_steps::coarse_distance;
 use super::frame_scene::Scene;
 use super::light_map::{LightMap, asker};
+use super::map_error::{MapError, MapReport};
 use super::members::{
     corner_rounding, expected_faces, farthest, fill_casters, lit_faces, near_plane, split_members,
 };
 use super::movers::{Movers, Remap};
 use super::request::MapShape;
-use super::settings::{MapError, MapFormat, MapReport, MapResolution, MapSettings};
+use super::settings::{MapFormat, MapResolution, MapSettings};
 use crate::sets::{FrameLights, Objects, View};
 use crate::techniques::shared::texture_memory::TextureMemory;
 

@@ -9,7 +9,8 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `settings` | filters, formats, resolutions, biases; limits of all maps; errors |
+//! | `settings` | filters, formats, resolutions, biases; limits of all maps |
+//! | `map_error` | why a map is poorer than asked for |
 //! | `request` | what a light asks for, and what is refused |
 //! | `systems` | what all techniques with maps bring into the frame |
 //! | `face` | one picture: position, projection, what it can see |
@@ -60,6 +61,7 @@ pub(crate) mod gpu;
 #[cfg(feature = "render")]
 pub(crate) mod jitter;
 pub(crate) mod light_map;
+pub(crate) mod map_error;
 pub(crate) mod matrix_faces;
 pub(crate) mod members;
 pub(crate) mod movers;
@@ -75,9 +77,8 @@ pub use ask_for_maps::ask_for_maps;
 pub use build_maps::{Maps, build_maps};
 pub use face::{FaceProjection, MapFace};
 pub use light_map::LightMap;
-pub use settings::{
-    Cascades, MapBias, MapError, MapFilter, MapFormat, MapReport, MapResolution, MapSettings, MapSurface,
-};
+pub use map_error::{MapError, MapReport};
+pub use settings::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface};
 
 use crate::sets::Needs;
 

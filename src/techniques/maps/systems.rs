@@ -4,8 +4,9 @@ use bevy_ecs::prelude::*;
 
 use super::ask_for_maps::ask_for_maps;
 use super::build_maps::{Maps, build_maps};
+use super::map_error::MapError;
 use super::request::{MapRequests, MapShape, MapSystems};
-use super::settings::{MapError, MapResolution, MapSettings};
+use super::settings::{MapResolution, MapSettings};
 use crate::reports::Round;
 use crate::sets::FrameLights;
 use crate::techniques::registry::{Statistics, TechniqueSystems};

@@ -210,31 +210,6 @@ fn what_stays_coarse_is_reported() {
     );
 }
 
-/// Vertices far from their mesh's origin are where they would be near it, but for their own rounding, which is 4 mm.
-#[test]
-fn meshes_far_from_their_own_origin_show_no_acne() {
-    let mut stage = field(30.0, Cascades::default());
-    let far = Vec3::Y * 50_000.0;
-    let mut meshes = stage.world.query::<(&mut SceneMesh, &mut Transform)>();
-    for (mut mesh, mut transform) in meshes.iter_mut(&mut stage.world) {
-        let moved = mesh.0.positions.iter().map(|position| *position + far);
-        let mut data = (*mesh.0).clone();
-        data.positions = moved.collect();
-        mesh.0 = Arc::new(data);
-        let moved_back = transform.rotation * (transform.scale * far);
-        transform.translation -= moved_back;
-    }
-    stage
-        .add_renderer(strict_context(), RenderSettings::default())
-        .expect("shaders compose");
-    stage.schedule.run(&mut stage.world);
-    let rays = RayScene::from_world(&mut stage.world);
-    let rendered = stage.render().expect("the frame renders");
-    let error = judge_map(&stage, &rays, 0, &rendered.visibility[0]);
-    println!("{error:?}");
-    assert!(error.dark > 30 && error.share() < 0.01, "{error:?}");
-}
-
 /// A pixel is larger than the shadow, and its middle is in the shadow.
 #[test]
 fn pictures_of_few_pixels_show_shadows() {

@@ -158,6 +158,21 @@ pub fn truth_at(
     seen.count() as f32 / samples as f32
 }
 
+/// Points of the plane of a surface around one of its points, up to a texel away. Half a texel counts, too: a texel below the foot
+/// of a ladder is dark, though its neighbours are not.
+pub fn around(hit: &SurfaceHit, texel: f64) -> impl Iterator<Item = SurfaceHit> {
+    let hit = *hit;
+    let (right, up) = hit.normal.any_orthonormal_pair();
+    let offsets = [0.5, 1.0]
+        .into_iter()
+        .flat_map(|share| (0..9).map(move |i| (share, i)));
+    offsets.map(move |(share, i)| {
+        let offset = right * f64::from(i % 3 - 1) + up * f64::from(i / 3 - 1);
+        let position = hit.position + offset * (texel * share);
+        SurfaceHit { position, ..hit }
+    })
+}
+
 /// Truth at every pixel that faces the light, and whether truth varies within a texel there.
 pub fn truth(
     scene: &RayScene,
@@ -183,17 +198,8 @@ pub fn truth_of(
     let at_pixel = |hit: &Option<SurfaceHit>| {
         let hit = hit.as_ref().filter(|hit| hit.normal.dot(light) > 1e-3)?;
         let visibility = truth_at(scene, hit, path, span, 24);
-        let (right, up) = hit.normal.any_orthonormal_pair();
-        // Half a texel counts, too: a texel below the foot of a ladder is dark, though its neighbours are not.
-        let mut around = [0.5, 1.0]
-            .into_iter()
-            .flat_map(|share| (0..9).map(move |i| (share, i)));
-        let varies = around.any(|(share, i)| {
-            let offset = right * f64::from(i % 3 - 1) + up * f64::from(i / 3 - 1);
-            let position = hit.position + offset * (step * share);
-            let other = truth_at(scene, &SurfaceHit { position, ..*hit }, path, span, 8);
-            (other - visibility).abs() > 0.13
-        });
+        let varies =
+            around(hit, step).any(|other| (truth_at(scene, &other, path, span, 8) - visibility).abs() > 0.13);
         Some((visibility, varies))
     };
     hits.hits.iter().map(at_pixel).collect()

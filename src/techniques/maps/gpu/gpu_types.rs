@@ -42,7 +42,7 @@ pub struct MapLight {
     pub ending: [f32; 4],
 }
 
-/// Mirror of `MapCaster` in `shaders/techniques/maps/caster.wgsl`.
+/// Mirror of `MapCaster` in `shaders/techniques/maps/map_caster.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MapCaster {

@@ -20,6 +20,7 @@ use crate::render::shaders::{ShaderFile, shader_files};
 
 /// The WGSL files of occlusion textures.
 pub(crate) const SHADERS: &[ShaderFile] = shader_files![
+    "techniques/maps/map_caster.wgsl",
     "techniques/occlusion_texture/kernel.wgsl",
     "techniques/occlusion_texture/caster.wgsl",
     "techniques/occlusion_texture/filter.wgsl",

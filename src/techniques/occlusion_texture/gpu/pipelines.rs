@@ -5,7 +5,7 @@
 use crate::render::Gpu;
 use crate::render::frame::targets::MASK_FORMAT;
 use crate::render::gpu::bind_groups::{STORAGE, buffer_entry};
-use crate::render::gpu::pipeline_cache::{EVERYWHERE, EVERYWHERE_WITH_INSTANCE, PipelineDesc, Stage};
+use crate::render::gpu::pipeline_cache::{ADD, EVERYWHERE, EVERYWHERE_WITH_INSTANCE, PipelineDesc, Stage};
 use crate::techniques::maps::gpu::gpu_types::MapCaster;
 use crate::techniques::maps::gpu::pipelines::{MASKED_BUFFERS, SOLID_BUFFERS};
 use crate::techniques::occlusion_texture::component::{SliceCombination, SliceFilter};
@@ -225,18 +225,6 @@ const MAXIMUM: wgpu::BlendState = {
     }
 };
 
-/// Adds what is drawn.
-const SUM: wgpu::BlendState = {
-    let component = wgpu::BlendComponent {
-        operation: wgpu::BlendOperation::Add,
-        ..MAXIMUM.color
-    };
-    wgpu::BlendState {
-        color: component,
-        alpha: component,
-    }
-};
-
 /// Adds the targets of several groups of slices.
 fn with_targets(
     desc: PipelineDesc,
@@ -308,7 +296,7 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
                 ..PipelineDesc::new("slice crossings", Stage::new(CASTER, "solid_vertex"), fragment)
                     .with_groups([Some(&layouts.casters), Some(&layouts.face)])
             };
-            with_targets(desc, groups, PICTURE_FORMAT, Some(SUM))
+            with_targets(desc, groups, PICTURE_FORMAT, Some(ADD))
         }
         Key::Fill { groups } => step(
             layouts,

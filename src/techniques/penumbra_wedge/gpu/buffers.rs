@@ -163,7 +163,7 @@ pub struct OverflowReport {
     state: SharedState,
 }
 
-/// What becomes of a copy of the count.
+/// The progress of one copy of the count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     /// There is no copy.

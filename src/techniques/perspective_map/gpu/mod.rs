@@ -21,6 +21,7 @@ pub(crate) const SHADERS: &[ShaderFile] = shader_files![
     "common/map_site.wgsl",
     "techniques/maps/matrix.wgsl",
     "techniques/maps/crease.wgsl",
+    "techniques/maps/map_caster.wgsl",
     "techniques/maps/caster.wgsl",
     "techniques/maps/convert.wgsl",
     "techniques/maps/frustum.wgsl",

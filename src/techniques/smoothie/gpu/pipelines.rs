@@ -5,7 +5,7 @@
 use crate::render::Gpu;
 use crate::render::frame::targets::MASK_FORMAT;
 use crate::render::gpu::bind_groups::{STORAGE, buffer_entry};
-use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage};
+use crate::render::gpu::pipeline_cache::{EVERYWHERE, LESSER, PipelineDesc, Stage};
 use crate::techniques::maps::gpu::layouts::MapLayouts;
 use crate::techniques::maps::gpu::pipelines::BESIDE_FORMAT;
 use crate::techniques::maps::request::MapShape;
@@ -65,19 +65,6 @@ impl SmoothieLayouts {
     }
 }
 
-/// Keeps the minimum, of each channel by itself.
-const MINIMUM: wgpu::BlendState = {
-    let component = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Min,
-    };
-    wgpu::BlendState {
-        color: component,
-        alpha: component,
-    }
-};
-
 /// Describes the pipeline of a key.
 pub fn describe(gpu: &Gpu, layouts: &SmoothieLayouts, maps: &MapLayouts, key: Key) -> PipelineDesc {
     match key {
@@ -85,7 +72,7 @@ pub fn describe(gpu: &Gpu, layouts: &SmoothieLayouts, maps: &MapLayouts, key: Ke
             let fragment = Some(Stage::new(EDGE, "fragment"));
             PipelineDesc::new("smoothies", Stage::new(EDGE, "vertex"), fragment)
                 .with_groups([Some(&layouts.edges), Some(&layouts.face), Some(&maps.surfaces)])
-                .with_target(BESIDE_FORMAT, Some(MINIMUM), wgpu::ColorWrites::ALL)
+                .with_target(BESIDE_FORMAT, Some(LESSER), wgpu::ColorWrites::ALL)
         }
         Key::Resolve { shape, cascade_count } => {
             let shared = &gpu.layouts;

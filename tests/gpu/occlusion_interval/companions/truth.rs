@@ -12,9 +12,11 @@ use glam::{DVec4, Vec3, Vec4};
 use super::{Add, BOXES, SECONDS, SIZE, add, is_on_box, spawn_box, visibility, with_boxes};
 use crate::harness::support::stage::Stage;
 use crate::occlusion_interval::faults::said;
-use crate::occlusion_interval::scenes::{TEXELS_PER_METRE, ladder, lit_ladder, maps, path, seen, towards};
+use crate::occlusion_interval::scenes::{
+    TEXELS_PER_METRE, around, ladder, lit_ladder, maps, path, seen, towards,
+};
 
-/// What a pixel shows, where a hard shadow does not end within a texel of the maps.
+/// The truth of one pixel. Pixels within a texel of the end of a hard shadow have none.
 #[derive(Clone, Copy)]
 struct Truth {
     is_lit: bool,
@@ -38,15 +40,7 @@ fn hard_truth(scene: &RayScene, hits: &HitImage, light: DVec4) -> Vec<Option<Tru
         let faces = |hit: &&SurfaceHit| hit.normal.dot(towards(hit).normalize()) > 0.05;
         let hit = hit.as_ref().filter(faces)?;
         let truth = is_lit(hit);
-        let (right, up) = hit.normal.any_orthonormal_pair();
-        let mut around = [0.5, 1.0]
-            .into_iter()
-            .flat_map(|share| (0..9).map(move |i| (share, i)));
-        let is_edge = around.any(|(share, i)| {
-            let offset = right * f64::from(i % 3 - 1) + up * f64::from(i / 3 - 1);
-            let position = hit.position + offset * (step * share);
-            is_lit(&SurfaceHit { position, ..*hit }) != truth
-        });
+        let is_edge = around(hit, step).any(|other| is_lit(&other) != truth);
         let is_on_box = is_on_box(hit);
         (!is_edge).then_some(Truth {
             is_lit: truth,
